@@ -1,0 +1,63 @@
+//! What scenes there are: the embedded ones, and those of a folder with a `scenes.toml`.
+
+use std::path::{Path, PathBuf};
+
+use crate::camera::View;
+use crate::error::Result;
+use crate::scene::{Kind, Scene};
+
+/// A scene that can be loaded.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// Its id: `balls4`, `country-kitchen`.
+    pub id: String,
+    /// How it occludes itself.
+    pub kind: Kind,
+    /// How many triangles it has, all instances counted, as its index states.
+    pub triangles: usize,
+    /// One line about it.
+    pub about: String,
+    /// Its views; the first is the usual one.
+    pub views: Vec<View>,
+    /// How many frames it has: 1 if nothing moves.
+    pub frames: u32,
+    /// Whether it belongs to the quick set that `compare` takes without arguments.
+    pub quick: bool,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Where a scene comes from.
+#[derive(Debug, Clone)]
+pub enum Source {
+    /// One of the generators, with its parameters as in its TOML.
+    Generator(toml::Table),
+    /// Mesh files, joined.
+    Files(Vec<PathBuf>),
+}
+
+/// The embedded scenes, in order.
+///
+/// # Errors
+/// None in a released program: the embedded tables are tested.
+pub fn embedded() -> Result<Vec<Entry>> {
+    Ok(Vec::new())
+}
+
+/// The scenes of a folder's `scenes.toml`, in order.
+///
+/// # Errors
+/// A missing or malformed index, naming file and line.
+pub fn indexed(_folder: &Path) -> Result<Vec<Entry>> {
+    Ok(Vec::new())
+}
+
+impl Entry {
+    /// Reads or makes the scene at a frame (0 for the scene at rest).
+    ///
+    /// # Errors
+    /// What the reader or generator says.
+    pub fn load(&self, _frame: u32) -> Result<Scene> {
+        Ok(Scene::default())
+    }
+}

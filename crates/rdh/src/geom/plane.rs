@@ -1,0 +1,106 @@
+//! Rays against boxes and split planes, conservatively and at any scale.
+
+use super::{Aabb, Ray, RayFrame, Vec3};
+
+/// The power of two by which a structure stores its planes, so that plane distances neither over- nor underflow.
+///
+/// 1 for all ordinary scenes. Multiplying by it is exact, so that it changes no decision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale(f32);
+
+impl Scale {
+    /// Coordinates up to 2²⁰ in size, and down to 2⁻²⁰ in all, are left alone.
+    pub fn of(bounds: &Aabb) -> Self {
+        Self(power_of_two_near_one(bounds.magnitude(), 20))
+    }
+
+    /// The factor.
+    #[inline(always)]
+    pub fn factor(self) -> f32 {
+        self.0
+    }
+
+    /// A box in the scaled space.
+    pub fn scaled(self, bounds: &Aabb) -> Aabb {
+        Aabb { min: bounds.min.map(|x| x * self.0), max: bounds.max.map(|x| x * self.0) }
+    }
+}
+
+/// 1 if `x` lies within 2^±`range`, else the power of two that brings it near 1 (as far as f32 has it).
+#[inline(always)]
+fn power_of_two_near_one(x: f32, range: i32) -> f32 {
+    let exponent = ((x.to_bits() >> 23) & 0xff) as i32 - 127;
+    if exponent.abs() <= range || x == 0.0 {
+        return 1.0;
+    }
+    f32::from_bits(((127 - exponent).clamp(1, 254) as u32) << 23)
+}
+
+/// A ray made ready for the planes of one structure, in that structure's scaled space.
+///
+/// Every plane counts as wide as [`RayFrame::slack`] on both sides: the cells a ray visits are those that the ray,
+/// thickened by the slack, meets. By the argument in `geom/triangle.rs` no hit lies elsewhere.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaneFrame {
+    /// The ray's origin, scaled.
+    pub origin: Vec3,
+    /// The reciprocal of the direction: finite, with the direction's sign (that of a zero too).
+    pub inverse: Vec3,
+    /// By how much, in `t`, a plane is widened on each side.
+    pub pad: Vec3,
+    /// Where the ray enters the structure's box, not before its own `t_min`.
+    pub t_near: f32,
+    /// Where it leaves the box, not after its own `t_max`; smaller than `t_near` if it misses.
+    pub t_far: f32,
+    /// This space's `t` for 1 of the ray's.
+    t_scale: f64,
+}
+
+impl PlaneFrame {
+    /// A direction component below this part of the largest counts as parallel to the plane:
+    /// over the whole scene it moves the ray by 10⁻⁹ of the slack.
+    const PARALLEL: f32 = 1e-15;
+    /// Beyond this distance (in scaled space, where the structure lies within 2²¹) everything is visited:
+    /// the slack is then larger than the structure.
+    const FAR: f32 = (1u64 << 62) as f32;
+
+    /// Prepares a valid ray for a structure that stores its planes by `scale`, in the box `bounds` (scaled too).
+    #[inline(always)]
+    pub fn new(ray: &Ray, scale: Scale, bounds: &Aabb, magnitude: f32) -> Self {
+        let reach = ray.direction.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let shorten = power_of_two_near_one(reach, 8);
+        let t_scale = f64::from(scale.factor()) / f64::from(shorten);
+        let origin = ray.origin.map(|x| x * scale.factor());
+        let least = reach * shorten * Self::PARALLEL;
+        let slack = RayFrame::slack(origin, magnitude);
+        let mut frame = Self {
+            origin,
+            inverse: [0.0; 3],
+            pad: [f32::MAX / 4.0; 3],
+            t_near: (f64::from(ray.t_min) * t_scale) as f32,
+            t_far: (f64::from(ray.t_max) * t_scale) as f32,
+            t_scale,
+        };
+        if !(slack < Self::FAR / (1 << 21) as f32) {
+            frame.origin = [0.0; 3];
+            return frame;
+        }
+        for a in 0..3 {
+            let d = ray.direction[a] * shorten;
+            let d = if d.abs() >= least { d } else { least.copysign(d) };
+            frame.inverse[a] = 1.0 / d;
+            frame.pad[a] = slack * frame.inverse[a].abs();
+            let t0 = (bounds.min[a] - origin[a]) * frame.inverse[a];
+            let t1 = (bounds.max[a] - origin[a]) * frame.inverse[a];
+            frame.t_near = frame.t_near.max(t0.min(t1) - frame.pad[a]);
+            frame.t_far = frame.t_far.min(t0.max(t1) + frame.pad[a]);
+        }
+        frame
+    }
+
+    /// The ray's `t` in this space.
+    #[inline(always)]
+    pub fn scaled_t(&self, t: f32) -> f32 {
+        (f64::from(t) * self.t_scale) as f32
+    }
+}

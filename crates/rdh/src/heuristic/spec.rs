@@ -1,0 +1,59 @@
+//! Heuristics as plain data, with the same text everywhere: `sah`, `rdh`, `rdh(paper)`, `rdh(prior=32,rays=whole)`.
+
+use serde::{Deserialize, Serialize};
+
+/// Which heuristic, with its parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub enum HeuristicSpec {
+    /// Surface areas: uniform rays that never hit anything.
+    #[default]
+    Sah,
+    /// Sampled rays, blended with surface areas.
+    Rdh(RdhSpec),
+}
+
+/// Parameters of the ray distribution heuristic.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RdhSpec {
+    /// How much of a sampled ray counts.
+    pub rays: RayExtent,
+    /// How ray counts and areas are mixed.
+    pub blend: Blend,
+    /// Counts at most so many rays in a node (a random sub-sample); 0 counts all.
+    pub cap: u32,
+}
+
+/// How much of a sampled ray counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RayExtent {
+    /// From its start to where it ended: the cells that a query really visits.
+    Clipped,
+    /// The whole half-line, as if nothing were hit.
+    Whole,
+}
+
+/// How ray counts and areas are mixed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Blend {
+    /// `p = (prior · p_sah + n · p_rays) / (prior + n)`: the areas count as so many rays.
+    Confidence {
+        /// How many rays the areas are worth.
+        prior: f32,
+    },
+    /// `w = weight · (1 − 1/(1 + 0.1 n))`, `p = w · p_rays + (1 − w) · p_sah`: as attributed to the paper.
+    Paper {
+        /// The largest weight of the rays; 0.9 in the paper's attributed form.
+        weight: f32,
+    },
+}
+
+impl RdhSpec {
+    /// The paper's: whole rays, no cap, its blend.
+    pub const PAPER: Self = Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: 0 };
+}
+
+impl Default for RdhSpec {
+    fn default() -> Self {
+        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: 0 }
+    }
+}

@@ -1,0 +1,63 @@
+//! The kd-tree's options as plain data.
+
+use serde::{Deserialize, Serialize};
+
+/// Parameters of a kd-tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct KdSpec {
+    /// What a leaf's cost counts.
+    pub leaf: LeafWidth,
+    /// How split planes are searched.
+    pub split: SplitSearch,
+    /// What is done to subtrees that don't pay.
+    pub prune: Prune,
+    /// When a node is not split further.
+    pub stop: Stop,
+}
+
+/// What a leaf's cost counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum LeafWidth {
+    /// Every triangle: the textbook's cost.
+    One,
+    /// Every test of eight triangles at once, as the kernels run. Recommended.
+    #[default]
+    Eight,
+}
+
+/// How split planes are searched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SplitSearch {
+    /// At every bound of every clipped triangle: the best plane, O(N log N).
+    Exact,
+    /// At equidistant planes in large nodes, exactly in small ones: 2–5 times as fast to build. Recommended.
+    #[default]
+    Binned,
+}
+
+/// What is done to subtrees that don't pay, once their true cost is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Prune {
+    /// `area` for `sah` and `rdh(paper)`, `visits` for `rdh`.
+    #[default]
+    ByHeuristic,
+    /// They stay.
+    None,
+    /// They become leaves where the areas of their nodes say that a leaf is cheaper.
+    Area,
+    /// They become leaves where the measured visits of their nodes say so.
+    Visits,
+}
+
+/// When a node is not split further.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Stop {
+    /// When no split is cheaper than the leaf.
+    Cost,
+    /// After a few splits in a row that don't pay: a later one may. Recommended, with pruning.
+    #[default]
+    Auto,
+    /// Havran and Bittner 2002: depth 1.2 log2 N + 2, and 1 + 0.2 · depth failed splits, where a split fails if it does not
+    /// bring the cost below 0.75 of the leaf's.
+    Paper,
+}

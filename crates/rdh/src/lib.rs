@@ -1,0 +1,33 @@
+//! Profile-guided ray tracing.
+//!
+//! ```text
+//!  Recorder -> Profile -> Training ----.
+//!                    \--> HeldOut       v
+//!                     \-> Unseen   build(&mesh, &spec, &training, &options) -> Accel -> closest, occluded, all_hits
+//! ```
+//! Acceleration structures are usually built by the surface area heuristic (SAH), which assumes that rays are spread evenly
+//! and never hit anything. The ray distribution heuristic (RDH; Bittner and Havran, SCCG 2009) asks a sample of the
+//! rays that are really cast instead. This crate builds kd-trees by both, and traces them watertight.
+
+pub mod accel;
+pub mod error;
+pub mod geom;
+pub mod heuristic;
+pub mod kd;
+pub mod mesh;
+pub mod naive;
+pub mod options;
+pub mod probe;
+pub mod rays;
+pub mod spec;
+
+pub use accel::{Accel, Stats, build};
+pub use error::{Error, Result};
+pub use geom::{Aabb, Axis, GeomId, Hit, InstId, Ray, TriId, Vec3};
+pub use heuristic::{HeuristicSpec, RdhSpec};
+pub use kd::KdSpec;
+pub use mesh::Mesh;
+pub use options::BuildOptions;
+pub use probe::{Counts, Probe};
+pub use rays::{HeldOut, Profile, Query, RayClass, RaySample, Recorder, Training, Unseen};
+pub use spec::{Spec, StructureSpec};

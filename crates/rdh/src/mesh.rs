@@ -1,0 +1,91 @@
+//! Triangle meshes that are valid by construction.
+
+use crate::error::{Error, Result};
+use crate::geom::{Aabb, TriId, Vec3};
+
+/// A triangle mesh: finite vertices, indices in range, at most 2³⁰ triangles.
+///
+/// It can only be made by [`Mesh::new`], so whoever holds one need not check it again.
+/// Zero-area triangles are allowed (no ray hits them), and so is the empty mesh.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    masks: Option<Vec<u32>>,
+}
+
+impl Mesh {
+    /// The largest number of triangles.
+    pub const MAX_TRIANGLES: usize = 1 << 30;
+
+    /// Checks vertices and indices, in O(n).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::IndexOutOfRange`] or [`Error::TooMany`], naming the first culprit.
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        limit("triangles", triangles.len(), Self::MAX_TRIANGLES)?;
+        limit("vertices", positions.len(), u32::MAX as usize)?;
+        for (vertex, p) in positions.iter().enumerate() {
+            if let Some(axis) = p.iter().position(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { vertex, axis, value: p[axis] });
+            }
+        }
+        for (triangle, t) in triangles.iter().enumerate() {
+            if let Some(&index) = t.iter().find(|&&i| i as usize >= positions.len()) {
+                return Err(Error::IndexOutOfRange { triangle, index, vertices: positions.len() });
+            }
+        }
+        Ok(Self { positions, triangles, masks: None })
+    }
+
+    /// Gives each triangle a mask; a ray sees it when `ray.mask & mask != 0`. The default is all ones.
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`] unless there is one mask a triangle.
+    pub fn with_masks(mut self, masks: Vec<u32>) -> Result<Self> {
+        if masks.len() != self.triangles.len() {
+            return Err(Error::WrongLength { what: "masks", got: masks.len(), expected: self.triangles.len() });
+        }
+        self.masks = Some(masks);
+        Ok(self)
+    }
+
+    /// The vertices.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// The triangles, three vertex indices each.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The masks, where there are any.
+    pub fn masks(&self) -> Option<&[u32]> {
+        self.masks.as_deref()
+    }
+
+    /// How many triangles there are.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The three corners of a triangle.
+    pub fn corners(&self, tri: TriId) -> [Vec3; 3] {
+        self.triangles[tri.index()].map(|i| self.positions[i as usize])
+    }
+
+    /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.
+    pub fn bounds(&self) -> Aabb {
+        self.triangles.iter().flatten().fold(Aabb::EMPTY, |b, &i| b.with(self.positions[i as usize]))
+    }
+}
+
+fn limit(what: &'static str, count: usize, limit: usize) -> Result<()> {
+    if count > limit { Err(Error::TooMany { what, count, limit }) } else { Ok(()) }
+}

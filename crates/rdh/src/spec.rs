@@ -1,0 +1,306 @@
+//! Specs: what is to be built, as plain data with one text form everywhere, `STRUCTURE+HEURISTIC`.
+//!
+//! `kd+sah`, `kd(leaf=1,split=exact)+rdh(prior=32)`, `kd+rdh(paper)`: defaults are omitted, either part may come
+//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::error::{Error, Result};
+use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
+
+/// What is to be built.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spec {
+    /// The structure.
+    pub structure: StructureSpec,
+    /// What decides its splits.
+    pub heuristic: HeuristicSpec,
+}
+
+/// Which structure, with its parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StructureSpec {
+    /// A kd-tree.
+    Kd(KdSpec),
+}
+
+impl Default for StructureSpec {
+    fn default() -> Self {
+        Self::Kd(KdSpec::default())
+    }
+}
+
+impl Spec {
+    /// Whether the heuristic needs a profile.
+    pub fn needs_rays(&self) -> bool {
+        matches!(self.heuristic, HeuristicSpec::Rdh(_))
+    }
+
+    /// Parses a list of specs. Commas inside brackets don't separate.
+    ///
+    /// # Errors
+    /// [`Error::Spec`] for the first part that can't be understood.
+    pub fn list(text: &str) -> Result<Vec<Self>> {
+        split_outside_brackets(text, ',').into_iter().map(str::parse).collect()
+    }
+}
+
+impl FromStr for Spec {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let fail = |reason: String| Error::Spec { spec: text.to_owned(), reason };
+        let (mut structure, mut heuristic) = (None, None);
+        for part in split_outside_brackets(text, '+') {
+            let part = Part::parse(part).map_err(fail)?;
+            match part.name {
+                "kd" => set_once(&mut structure, StructureSpec::Kd(parse_kd(&part).map_err(fail)?), "structure"),
+                "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
+                "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
+                other => Err(format!("unknown name '{other}'; structures: kd; heuristics: sah, rdh")),
+            }
+            .map_err(fail)?;
+        }
+        Ok(Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() })
+    }
+}
+
+impl fmt::Display for Spec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let StructureSpec::Kd(kd) = &self.structure;
+        write!(f, "kd{}+", brackets(&kd_parameters(kd)))?;
+        match &self.heuristic {
+            HeuristicSpec::Sah => write!(f, "sah"),
+            HeuristicSpec::Rdh(rdh) => write!(f, "rdh{}", brackets(&rdh_parameters(rdh))),
+        }
+    }
+}
+
+impl Serialize for Spec {
+    fn serialize<S: Serializer>(&self, s: S) -> std::result::Result<S::Ok, S::Error> {
+        s.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Spec {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> std::result::Result<Self, D::Error> {
+        String::deserialize(d)?.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
+    let mut kd = KdSpec::default();
+    for &(key, value) in &part.parameters {
+        match key {
+            "leaf" => kd.leaf = choice(key, value, &[("1", LeafWidth::One), ("8", LeafWidth::Eight)])?,
+            "split" => {
+                kd.split = choice(key, value, &[("exact", SplitSearch::Exact), ("binned", SplitSearch::Binned)])?;
+            }
+            "prune" => {
+                let known = [("none", Prune::None), ("area", Prune::Area), ("visits", Prune::Visits)];
+                kd.prune = choice(key, value, &known)?;
+            }
+            "stop" => {
+                kd.stop = choice(key, value, &[("cost", Stop::Cost), ("auto", Stop::Auto), ("paper", Stop::Paper)])?
+            }
+            _ => {
+                return Err(unknown(
+                    "kd",
+                    key,
+                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper",
+                ));
+            }
+        }
+    }
+    Ok(kd)
+}
+
+fn kd_parameters(kd: &KdSpec) -> Vec<String> {
+    let default = KdSpec::default();
+    let mut out = Vec::new();
+    let mut push = |differs: bool, text: &str| differs.then(|| out.push(text.to_owned()));
+    push(kd.leaf != default.leaf, if kd.leaf == LeafWidth::One { "leaf=1" } else { "leaf=8" });
+    push(kd.split != default.split, if kd.split == SplitSearch::Exact { "split=exact" } else { "split=binned" });
+    match kd.prune {
+        Prune::ByHeuristic => None,
+        Prune::None => push(true, "prune=none"),
+        Prune::Area => push(true, "prune=area"),
+        Prune::Visits => push(true, "prune=visits"),
+    };
+    match kd.stop {
+        Stop::Auto => None,
+        Stop::Cost => push(true, "stop=cost"),
+        Stop::Paper => push(true, "stop=paper"),
+    };
+    out
+}
+
+fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
+    match part.parameters.first() {
+        None => Ok(HeuristicSpec::Sah),
+        Some((key, _)) => Err(unknown("sah", key, "none")),
+    }
+}
+
+fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
+    let mut rdh = RdhSpec::default();
+    for &(key, value) in &part.parameters {
+        match (key, value) {
+            ("paper", "") => rdh = RdhSpec::PAPER,
+            ("blend", "paper") => rdh.blend = RdhSpec::PAPER.blend,
+            ("weight", _) => rdh.blend = Blend::Paper { weight: number(key, value, 0.0, 1.0)? },
+            ("prior", _) => rdh.blend = Blend::Confidence { prior: number(key, value, 0.0, 1e9)? },
+            ("rays", _) => {
+                rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
+            }
+            ("cap", _) => rdh.cap = value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?,
+            _ => {
+                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
+                return Err(unknown("rdh", key, known));
+            }
+        }
+    }
+    Ok(rdh)
+}
+
+fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
+    let mut out = Vec::new();
+    let base = match rdh.blend {
+        Blend::Paper { weight } => {
+            out.push("paper".to_owned());
+            if rdh.blend != RdhSpec::PAPER.blend {
+                out.push(format!("weight={weight}"));
+            }
+            RdhSpec::PAPER
+        }
+        Blend::Confidence { prior } => {
+            if rdh.blend != RdhSpec::default().blend {
+                out.push(format!("prior={prior}"));
+            }
+            RdhSpec::default()
+        }
+    };
+    if rdh.rays != base.rays {
+        out.push(format!("rays={}", if rdh.rays == RayExtent::Whole { "whole" } else { "clipped" }));
+    }
+    if rdh.cap != base.cap {
+        out.push(format!("cap={}", rdh.cap));
+    }
+    out
+}
+
+/// `name(key=value,flag)` taken apart.
+struct Part<'a> {
+    name: &'a str,
+    parameters: Vec<(&'a str, &'a str)>,
+}
+
+impl<'a> Part<'a> {
+    fn parse(text: &'a str) -> Result<Self, String> {
+        let text = text.trim();
+        let Some((name, rest)) = text.split_once('(') else {
+            return Ok(Self { name: text, parameters: Vec::new() });
+        };
+        let inner = rest.strip_suffix(')').ok_or_else(|| format!("'{text}' lacks its closing bracket"))?;
+        let pair = |p: &'a str| p.split_once('=').map_or((p.trim(), ""), |(k, v)| (k.trim(), v.trim()));
+        let parameters = inner.split(',').filter(|p| !p.trim().is_empty()).map(pair).collect();
+        Ok(Self { name: name.trim(), parameters })
+    }
+}
+
+fn set_once<T>(slot: &mut Option<T>, value: T, what: &str) -> Result<(), String> {
+    match slot.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(format!("there is more than one {what}")),
+    }
+}
+
+fn choice<T: Copy>(key: &str, value: &str, known: &[(&str, T)]) -> Result<T, String> {
+    known.iter().find(|(name, _)| *name == value).map(|&(_, v)| v).ok_or_else(|| {
+        let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+        format!("{key}={value}: known are {}", names.join(", "))
+    })
+}
+
+fn number(key: &str, value: &str, min: f32, max: f32) -> Result<f32, String> {
+    let parsed = value.parse().ok().filter(|x| (min..=max).contains(x));
+    parsed.ok_or_else(|| format!("{key}={value}: a number from {min} to {max} is needed"))
+}
+
+fn unknown(name: &str, key: &str, known: &str) -> String {
+    format!("{name} has no parameter '{key}'; known: {known}")
+}
+
+fn brackets(parameters: &[String]) -> String {
+    if parameters.is_empty() { String::new() } else { format!("({})", parameters.join(",")) }
+}
+
+fn split_outside_brackets(text: &str, separator: char) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0i32, 0, Vec::new());
+    for (i, c) in text.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            c if c == separator && depth == 0 => {
+                parts.push(&text[start..i]);
+                start = i + c.len_utf8();
+            }
+            _ => {}
+        }
+    }
+    parts.push(&text[start..]);
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn specs_round_trip_in_their_shortest_form() {
+        for (text, canonical) in [
+            ("kd+sah", "kd+sah"),
+            ("sah+kd", "kd+sah"),
+            ("kd", "kd+sah"),
+            ("rdh", "kd+rdh"),
+            ("kd(leaf=8,split=binned)+rdh(prior=16)", "kd+rdh"),
+            ("kd+rdh(paper)", "kd+rdh(paper)"),
+            ("kd+rdh(rays=whole,blend=paper)", "kd+rdh(paper)"),
+            ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
+            ("kd(stop=paper, prune=none)+rdh(prior=2.5,cap=100)", "kd(prune=none,stop=paper)+rdh(prior=2.5,cap=100)"),
+        ] {
+            let spec: Spec = text.parse().unwrap();
+            assert_eq!(spec.to_string(), canonical);
+            assert_eq!(canonical.parse::<Spec>().unwrap(), spec);
+        }
+    }
+
+    #[test]
+    fn nothing_unknown_is_ignored() {
+        for text in [
+            "",
+            "bvh9+sah",
+            "kd(leaf=3)",
+            "kd(leaves=8)",
+            "sah(x=1)",
+            "rdh(prior=-1)",
+            "kd+kd",
+            "kd(leaf=8",
+            "kd+sah+rdh",
+        ] {
+            assert!(text.parse::<Spec>().is_err(), "{text}");
+        }
+        let message = "kd(leaves=8)".parse::<Spec>().unwrap_err().to_string();
+        assert!(message.contains("leaf=1|8"), "{message}");
+    }
+
+    #[test]
+    fn commas_in_brackets_do_not_separate_specs() {
+        let list = Spec::list("kd+sah,kd(leaf=1,split=exact)+rdh(paper),kd+rdh").unwrap();
+        assert_eq!(list.len(), 3);
+    }
+}
