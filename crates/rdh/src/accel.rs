@@ -1,12 +1,28 @@
 //! One face for all structures.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray};
+use crate::heuristic;
+use crate::kd::{Fault, KdTree, Prune};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::probe::Counts;
 use crate::rays::Training;
-use crate::spec::Spec;
+use crate::simd::Level;
+use crate::spec::{Spec, StructureSpec};
+
+/// A finished structure: answers queries from any number of threads. It holds its own copies of the triangles.
+#[derive(Debug, Clone)]
+pub struct Accel {
+    structure: Structure,
+    stats: Stats,
+}
+
+/// The closed set of structures: an enum costs nothing here.
+#[derive(Debug, Clone)]
+enum Structure {
+    Kd(KdTree),
+}
 
 /// What was built, for reports.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,59 +47,70 @@ pub struct Stats {
     pub trained_on: usize,
 }
 
-/// A finished structure: answers queries from any number of threads.
-#[derive(Debug, Clone)]
-pub struct Accel {
-    mesh: Mesh,
-    stats: Stats,
-}
-
-/// Builds what `spec` names.
+/// Builds what `spec` names, from `rays` where its heuristic asks for them.
 ///
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
-pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, _options: &BuildOptions<'_>) -> Result<Accel> {
-    let stats = Stats {
-        spec: *spec,
-        triangles: mesh.len(),
-        nodes: 1,
-        leaves: 1,
-        empty_leaves: 0,
-        references: mesh.len(),
-        depth: 0,
-        bytes: 0,
-        trained_on: rays.len(),
+pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    if spec.needs_rays() && rays.is_empty() {
+        return Err(Error::NoRays { spec: spec.to_string() });
+    }
+    let structure = match options.threads {
+        None | Some(1) => build_structure(mesh, spec, rays, options)?,
+        Some(threads) => in_pool(threads, || build_structure(mesh, spec, rays, options))?,
     };
-    Ok(Accel { mesh: mesh.clone(), stats })
+    let trained_on = if spec.needs_rays() { rays.len() } else { 0 };
+    let stats = structure.stats(mesh, spec, trained_on);
+    Ok(Accel { structure, stats })
+}
+
+fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|_| Error::OutOfMemory { what: "threads", bytes: 0 })?.install(work)
+}
+
+fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Structure> {
+    let scale = crate::geom::Scale::of(&mesh.bounds()).factor();
+    let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+    let StructureSpec::Kd(mut kd) = spec.structure;
+    if kd.prune == Prune::ByHeuristic {
+        kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
+    }
+    Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
 }
 
 impl Accel {
     /// The nearest hit; of equally near ones that with the smallest triangle id.
+    #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        crate::naive::closest(&self.mesh, ray)
+        let Structure::Kd(tree) = &self.structure;
+        tree.closest(ray, &mut ())
     }
 
     /// Whether anything is hit.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        crate::naive::occluded(&self.mesh, ray)
+        let Structure::Kd(tree) = &self.structure;
+        tree.occluded(ray, &mut ())
     }
 
     /// All hits, nearest first, then by id; each shared edge counts for exactly one of its triangles.
     /// `hits` is cleared first; passing the same vector again saves allocations.
     pub fn all_hits(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        *hits = crate::naive::all_hits(&self.mesh, ray);
+        let Structure::Kd(tree) = &self.structure;
+        tree.all_hits(ray, &mut (), hits);
     }
 
-    /// [`Self::closest`], and what it cost.
+    /// [`Self::closest`], and what it cost, added to `counts`.
     pub fn closest_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        counts.leaves += 1;
-        self.closest(ray)
+        let Structure::Kd(tree) = &self.structure;
+        tree.closest(ray, counts)
     }
 
-    /// [`Self::occluded`], and what it cost.
+    /// [`Self::occluded`], and what it cost, added to `counts`.
     pub fn occluded_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        counts.leaves += 1;
-        self.occluded(ray)
+        let Structure::Kd(tree) = &self.structure;
+        tree.occluded(ray, counts)
     }
 
     /// What was built.
@@ -93,6 +120,49 @@ impl Accel {
 
     /// The box of everything that can be hit.
     pub fn bounds(&self) -> Aabb {
-        self.mesh.bounds()
+        let Structure::Kd(tree) = &self.structure;
+        tree.bounds()
+    }
+
+    /// Visits the structure's leaf cells: box, depth, triangles.
+    pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, usize)) {
+        let Structure::Kd(tree) = &self.structure;
+        tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len()));
+    }
+
+    /// All faults of the structure over its mesh; none if it is well-formed.
+    pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
+        let Structure::Kd(tree) = &self.structure;
+        tree.check(mesh)
+    }
+
+    /// The same structure, traced with other instructions: for tests and measurements. The answers are the same.
+    pub fn with_level(self, level: Level) -> Self {
+        let Structure::Kd(tree) = self.structure;
+        Self { structure: Structure::Kd(tree.with_level(level)), stats: self.stats }
+    }
+
+    /// The structure's arrays as bytes: equal for equal structures.
+    pub fn fingerprint(&self) -> u64 {
+        let Structure::Kd(tree) = &self.structure;
+        tree.fingerprint()
+    }
+}
+
+impl Structure {
+    fn stats(&self, mesh: &Mesh, spec: &Spec, trained_on: usize) -> Stats {
+        let Self::Kd(tree) = self;
+        let tally = tree.tally();
+        Stats {
+            spec: *spec,
+            triangles: mesh.len(),
+            nodes: 2 * tally.leaves - 1,
+            leaves: tally.leaves,
+            empty_leaves: tally.empty_leaves,
+            references: tally.references,
+            depth: tally.depth,
+            bytes: tree.bytes(),
+            trained_on,
+        }
     }
 }

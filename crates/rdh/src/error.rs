@@ -77,6 +77,16 @@ pub enum Error {
     /// The caller's callback stopped the work.
     #[error("cancelled")]
     Cancelled,
+    /// Profiles that can't be merged.
+    #[error("profile {profile} was sampled with seed {seed}, the first one with seed {expected}: they can't be merged")]
+    SeedMismatch {
+        /// Which profile, counted from 0.
+        profile: usize,
+        /// Its seed.
+        seed: u64,
+        /// The seed of the first one.
+        expected: u64,
+    },
     /// Bytes that are not what they claim to be.
     #[error("byte {offset}: {reason}")]
     Format {

@@ -14,11 +14,13 @@ pub mod error;
 pub mod geom;
 pub mod heuristic;
 pub mod kd;
+mod mem;
 pub mod mesh;
 pub mod naive;
 pub mod options;
 pub mod probe;
 pub mod rays;
+pub mod simd;
 pub mod spec;
 
 pub use accel::{Accel, Stats, build};

@@ -77,7 +77,7 @@ impl RayFrame {
 
 /// A corner in the ray's frame: sheared x and y, unsheared depth.
 #[inline(always)]
-pub(crate) fn shear_point(frame: &RayFrame, corner: Vec3) -> Vec3 {
+fn shear_point(frame: &RayFrame, corner: Vec3) -> Vec3 {
     let [kx, ky, kz] = frame.k;
     let z = corner[kz] - frame.origin[kz];
     // Separate product and difference: every instruction set must round alike, so never a fused multiply-add.

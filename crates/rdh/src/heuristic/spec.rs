@@ -47,6 +47,14 @@ pub enum Blend {
     },
 }
 
+impl HeuristicSpec {
+    /// Whether subtrees are pruned by measured visits unless the spec says otherwise. The paper's heuristic is
+    /// pruned as its baseline is.
+    pub(crate) fn prunes_by_visits(&self) -> bool {
+        matches!(self, Self::Rdh(RdhSpec { blend: Blend::Confidence { .. }, .. }))
+    }
+}
+
 impl RdhSpec {
     /// The paper's: whole rays, no cap, its blend.
     pub const PAPER: Self = Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: 0 };

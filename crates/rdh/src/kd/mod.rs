@@ -1,5 +1,193 @@
 //! The kd-tree: an exact and a binned builder, pruning, 8-byte nodes, leaves of 8-wide blocks.
+//!
+//! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
+//! `layout` packs them; `trace` walks them; `check` proves them.
 
+mod branch;
+mod build;
+mod check;
+mod clip;
+mod cost;
+mod events;
+mod layout;
+mod node;
+mod radix;
+mod reference;
 mod spec;
+mod split;
+mod stop;
+mod trace;
 
+pub use check::Fault;
+pub use cost::Costs;
+pub use node::{Node, NodeKind};
+pub use reference::{Clipper, Reference};
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
+
+use std::sync::Arc;
+
+use build::Builder;
+use clip::TriangleClipper;
+use layout::{Arrays, Line};
+
+pub use layout::Tally;
+
+use crate::error::{Error, Result};
+use crate::geom::{Aabb, Hit, Ray, Scale};
+use crate::heuristic::Heuristic;
+use crate::mem::reserve;
+use crate::mesh::Mesh;
+use crate::options::BuildOptions;
+use crate::probe::Probe;
+use crate::simd::{Block, Level};
+
+/// A finished kd-tree, with its own copies of the triangles. Plain arrays without pointers.
+#[derive(Debug, Clone)]
+pub struct KdTree {
+    scale: Scale,
+    /// In scaled space, like all planes.
+    bounds: Aabb,
+    magnitude: f32,
+    root: Node,
+    lines: Vec<Line>,
+    blocks: Vec<Block>,
+    masks: Option<Arc<[u32]>>,
+    tally: Tally,
+    level: Level,
+}
+
+/// Bytes a reference costs at most: its lanes, were every leaf of five alone in its block, and its share of nodes.
+const BYTES_PER_REFERENCE: usize = 96;
+
+impl KdTree {
+    /// Builds a tree over a mesh. O(N log N) for binned and exact splits alike.
+    ///
+    /// # Errors
+    /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
+    pub fn build(mesh: &Mesh, spec: &KdSpec, heuristic: &dyn Heuristic, options: &BuildOptions<'_>) -> Result<Self> {
+        let bounds = mesh.bounds();
+        let scale = Scale::of(&bounds);
+        let bounds = scale.scaled(&bounds);
+        let clipper = TriangleClipper { mesh, scale: scale.factor() };
+        let refs = references(&clipper)?;
+        let max_refs = max_refs(mesh.len(), options)?;
+        let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
+        let branches = builder.build(refs, bounds, max_refs)?;
+        let root = branches.nodes.len() as u32 - 1;
+        let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
+        let Arrays { root, lines, blocks, tally } = arrays;
+        let masks = mesh.masks().map(Arc::from);
+        let magnitude = bounds.magnitude();
+        let tree = Self { scale, bounds, magnitude, root, lines, blocks, masks, tally, level: Level::best() };
+        match options.max_bytes {
+            Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
+            _ => Ok(tree),
+        }
+    }
+
+    /// The same tree, traced with other instructions: for tests and measurements. The answers are the same.
+    pub fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// The nearest hit; of equally near ones that with the smallest id.
+    #[inline]
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let mut collector = trace::Closest::default();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
+        collector.0
+    }
+
+    /// Whether anything is hit.
+    #[inline]
+    pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let mut collector = trace::Any::default();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
+        collector.0
+    }
+
+    /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
+    pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
+        hits.clear();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut trace::All(hits) });
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.tri.cmp(&b.tri)));
+        hits.dedup_by_key(|h| h.tri);
+    }
+
+    /// The root, in a form of its own since it has no sibling.
+    pub fn root(&self) -> Node {
+        self.root
+    }
+
+    /// All other nodes, in pairs.
+    #[inline(always)]
+    pub fn nodes(&self) -> &[Node] {
+        bytemuck::cast_slice(&self.lines)
+    }
+
+    /// How many leaves and references there are, and how deep they lie.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Bytes of nodes and blocks, masks included.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.lines[..]) + size_of_val(&self.blocks[..]) + self.masks.as_ref().map_or(0, |m| 4 * m.len())
+    }
+
+    /// The box of everything that can be hit.
+    pub fn bounds(&self) -> Aabb {
+        let back = 1.0 / self.scale.factor();
+        Aabb { min: self.bounds.min.map(|x| x * back), max: self.bounds.max.map(|x| x * back) }
+    }
+
+    /// A hash of all arrays: equal for equal trees.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        hash.update(bytemuck::bytes_of(&self.root));
+        hash.update(bytemuck::cast_slice(&self.lines));
+        hash.update(bytemuck::cast_slice(&self.blocks));
+        hash.digest()
+    }
+
+    /// Visits all leaves, left to right: cell, depth, triangles.
+    pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, &[u32])) {
+        let back = 1.0 / self.scale.factor();
+        let mut ids = Vec::new();
+        let mut todo = vec![(self.root, self.bounds, 0)];
+        while let Some((node, cell, depth)) = todo.pop() {
+            match node.kind() {
+                NodeKind::Interior { axis, split, pair } => {
+                    let (left, right) = cell.split(axis, split);
+                    let [l, r] = [0, 1].map(|side| self.nodes()[2 * pair as usize + side]);
+                    todo.extend([(r, right, depth + 1), (l, left, depth + 1)]);
+                }
+                NodeKind::Leaf { block, lane, count } => {
+                    ids.clear();
+                    let lanes = self.blocks[block as usize..].iter().flat_map(|b| b.ids);
+                    ids.extend(lanes.skip(lane as usize).take(count as usize));
+                    visit(Aabb { min: cell.min.map(|x| x * back), max: cell.max.map(|x| x * back) }, depth, &ids);
+                }
+            }
+        }
+    }
+}
+
+/// A reference to every triangle, whole.
+fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
+    let n = clipper.mesh.len();
+    let mut refs = Vec::new();
+    reserve(&mut refs, n, "references")?;
+    refs.extend((0..n as u32).map(|id| Reference::new(id, &Aabb::around(&clipper.corners(id)))));
+    Ok(refs)
+}
+
+/// How many references the budgets allow.
+fn max_refs(n: usize, options: &BuildOptions<'_>) -> Result<usize> {
+    let by_refs = options.max_refs.unwrap_or(8 * n + 1000);
+    let by_bytes = options.max_bytes.map_or(usize::MAX, |b| b / BYTES_PER_REFERENCE);
+    if by_refs < n {
+        return Err(Error::OverBudget { what: "references", limit: by_refs });
+    }
+    Ok(by_refs.min(by_bytes.max(n)))
+}

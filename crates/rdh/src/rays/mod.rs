@@ -1,12 +1,18 @@
 //! What an application really casts: recorded, sampled, split into sets that cannot be mixed up.
 
+mod bottom;
+mod file;
+mod hash;
 mod profile;
 mod recorder;
 mod sets;
+mod slots;
+mod summary;
 
 pub use profile::Profile;
 pub use recorder::Recorder;
 pub use sets::{HeldOut, Training, Unseen};
+pub use summary::{Group, Summary};
 
 use crate::geom::{Hit, Ray};
 
@@ -42,6 +48,20 @@ pub enum RayClass {
     Lidar = 6,
     /// Anything else.
     Other = 7,
+}
+
+impl Query {
+    /// All of them, in order.
+    pub const ALL: [Self; 3] = [Self::Closest, Self::Occluded, Self::All];
+
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closest => "closest",
+            Self::Occluded => "occluded",
+            Self::All => "all",
+        }
+    }
 }
 
 impl RayClass {
@@ -99,5 +119,23 @@ impl RaySample {
             (Query::Closest | Query::Occluded, Some(t)) => t.min(self.ray.t_max),
             _ => self.ray.t_max,
         }
+    }
+
+    /// Why it can't be used, if so: what comes from outside may hold anything.
+    pub(crate) fn fault(&self) -> Option<&'static str> {
+        match self.t_hit {
+            _ if !self.ray.is_valid() => {
+                Some("the ray has a NaN, an infinite origin or direction, no direction or t_min > t_max")
+            }
+            Some(t) if !t.is_finite() => Some("the distance of the hit is not finite"),
+            _ => None,
+        }
+    }
+
+    /// Everything that tells rays apart: its bits, what was asked, and what it was for.
+    fn identity(&self) -> [u32; 10] {
+        let r: [u32; 9] = bytemuck::cast(self.ray);
+        let tag = (self.query as u32) << 8 | self.class as u32;
+        [r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], tag]
     }
 }

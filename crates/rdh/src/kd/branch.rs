@@ -1,0 +1,82 @@
+//! The tree while it grows: nodes in the order in which they are finished, children before parents.
+
+use crate::error::Result;
+use crate::geom::Axis;
+use crate::mem::reserve;
+
+/// A growing tree, or a part of one.
+#[derive(Debug, Default)]
+pub(crate) struct Branches {
+    pub(crate) nodes: Vec<Branch>,
+    /// The leaves' primitives.
+    pub(crate) ids: Vec<u32>,
+}
+
+/// A node of a growing tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Branch {
+    /// A split, with its two children and the chances to visit them.
+    Interior { axis: Axis, plane: f32, children: [u32; 2], chances: [f32; 2] },
+    /// A range of `ids`.
+    Leaf { first: u32, count: u32 },
+}
+
+/// A state of [`Branches`] to fall back to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mark {
+    nodes: usize,
+    ids: usize,
+}
+
+impl Branches {
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { nodes: self.nodes.len(), ids: self.ids.len() }
+    }
+
+    /// Adds a leaf.
+    pub(crate) fn leaf(&mut self, ids: impl ExactSizeIterator<Item = u32>) -> Result<u32> {
+        let (first, count) = (self.ids.len() as u32, ids.len() as u32);
+        reserve(&mut self.ids, ids.len(), "leaf references")?;
+        self.ids.extend(ids);
+        self.push(Branch::Leaf { first, count })
+    }
+
+    /// Adds a node.
+    pub(crate) fn push(&mut self, branch: Branch) -> Result<u32> {
+        reserve(&mut self.nodes, 1, "nodes")?;
+        self.nodes.push(branch);
+        Ok(self.nodes.len() as u32 - 1)
+    }
+
+    /// Replaces all nodes since `mark` by one leaf with all their primitives, each once; returns it and their number.
+    pub(crate) fn collapse(&mut self, mark: Mark) -> Result<(u32, usize)> {
+        self.nodes.truncate(mark.nodes);
+        self.ids[mark.ids..].sort_unstable();
+        let mut kept = mark.ids;
+        for i in mark.ids..self.ids.len() {
+            if i == mark.ids || self.ids[i] != self.ids[i - 1] {
+                self.ids[kept] = self.ids[i];
+                kept += 1;
+            }
+        }
+        self.ids.truncate(kept);
+        let count = kept - mark.ids;
+        let leaf = self.push(Branch::Leaf { first: mark.ids as u32, count: count as u32 })?;
+        Ok((leaf, count))
+    }
+
+    /// Adds another part's nodes; returns by how much their indices have grown.
+    pub(crate) fn append(&mut self, other: &Self) -> Result<u32> {
+        let (shift, ids) = (self.nodes.len() as u32, self.ids.len() as u32);
+        reserve(&mut self.nodes, other.nodes.len(), "nodes")?;
+        reserve(&mut self.ids, other.ids.len(), "leaf references")?;
+        self.ids.extend_from_slice(&other.ids);
+        self.nodes.extend(other.nodes.iter().map(|&b| match b {
+            Branch::Leaf { first, count } => Branch::Leaf { first: first + ids, count },
+            Branch::Interior { axis, plane, children, chances } => {
+                Branch::Interior { axis, plane, children: children.map(|c| c + shift), chances }
+            }
+        }));
+        Ok(shift)
+    }
+}

@@ -1,0 +1,312 @@
+//! The builder: top-down, greedy, in O(N log N); then pruned bottom-up by the true cost of what grew.
+//!
+//! ```text
+//! grow(references, cell):
+//!     split = the cheapest candidate plane of any axis                                   (equation 1; `split.rs`)
+//!     leaf, if the stop rule says so or a budget is spent                                             (`stop.rs`)
+//!     cut the references at the plane; the sampled rays follow them                   (`reference.rs`, heuristic)
+//!     grow both sides
+//!     leaf after all, if that is cheaper than what has grown                                              (prune)
+//! ```
+//! Invariant: the builder sees boxes, a [`Clipper`] and a [`Heuristic`], never a mesh. The tree depends on nothing else: not on
+//! threads, nor on time.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::branch::{Branch, Branches};
+use super::cost::Costs;
+use super::reference::{Clipper, Reference};
+use super::spec::{KdSpec, Prune};
+use super::split::{Search, Split};
+use super::stop::{Failures, StopRule};
+use crate::error::{Error, Result};
+use crate::geom::Aabb;
+use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
+use crate::mem::reserve;
+use crate::options::BuildOptions;
+
+/// Everything that stays the same for all nodes.
+pub(crate) struct Builder<'a> {
+    clipper: &'a dyn Clipper,
+    heuristic: &'a dyn Heuristic,
+    spec: KdSpec,
+    costs: Costs,
+    stop: StopRule,
+    options: &'a BuildOptions<'a>,
+    parallel: bool,
+    cancelled: AtomicBool,
+    finished: AtomicU64,
+    total: u64,
+}
+
+/// A node to be built.
+struct Todo {
+    cell: Aabb,
+    /// The box of its references.
+    tight: Aabb,
+    rays: NodeRays,
+    depth: u32,
+    failures: Failures,
+    /// How many references its leaves may have.
+    budget: usize,
+}
+
+/// A finished subtree: its root, and its expected cost for a ray that is in it.
+#[derive(Debug, Clone, Copy)]
+struct Grown {
+    root: u32,
+    cost: f32,
+}
+
+/// Subtrees of more references are built by two threads.
+const PARALLEL_ABOVE: usize = 4096;
+/// Subtrees of more references are not pruned: no leaf of that size pays.
+const PRUNE_UP_TO: usize = 256;
+
+impl<'a> Builder<'a> {
+    pub(crate) fn new(
+        clipper: &'a dyn Clipper,
+        heuristic: &'a dyn Heuristic,
+        spec: KdSpec,
+        n: usize,
+        options: &'a BuildOptions<'a>,
+    ) -> Self {
+        Self {
+            clipper,
+            heuristic,
+            spec,
+            costs: Costs::of(spec.leaf),
+            stop: StopRule::new(spec.stop, n, options.max_depth),
+            options,
+            parallel: options.threads != Some(1),
+            cancelled: AtomicBool::new(false),
+            finished: AtomicU64::new(0),
+            total: n as u64,
+        }
+    }
+
+    /// Builds the tree over some references; the root is the last node. `max_refs` is kept.
+    pub(crate) fn build(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches> {
+        let rays = self.heuristic.root(&cell);
+        let todo =
+            Todo { tight: bounds_of(&refs), cell, rays, depth: 0, failures: 0, budget: max_refs.max(refs.len()) };
+        Ok(self.grow(refs, todo)?.0)
+    }
+
+    /// Large subtrees: both sides in parallel.
+    fn grow(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches, Grown)> {
+        let mut search = Search::new(self.heuristic, self.costs, self.spec.split);
+        if !self.parallel || refs.len() <= PARALLEL_ABOVE {
+            let mut branches = Branches::default();
+            let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
+            return Ok((branches, grown));
+        }
+        self.check_cancelled()?;
+        let Some((split, failures)) = self.choose(&mut search, &refs, &todo) else {
+            let mut branches = Branches::default();
+            let leaf = self.leaf(&mut branches, &refs)?;
+            return Ok((branches, leaf));
+        };
+        let (left, right) = self.partition(&refs, &split)?;
+        let [todo_left, todo_right] = self.children(&todo, &split, failures, (&left, &right));
+        drop(refs);
+        let (l, r) = rayon::join(|| self.grow(left, todo_left), || self.grow(right, todo_right));
+        let ((mut branches, l), (other, r)) = (l?, r?);
+        let shift = branches.append(&other)?;
+        let children = [l, Grown { root: r.root + shift, ..r }];
+        let grown = self.join(&mut branches, &todo.cell, &split, children)?;
+        Ok((branches, grown))
+    }
+
+    /// Small subtrees: one thread, all references on one stack. Those of this node lie from `start` to its top.
+    fn grow_in(
+        &self,
+        search: &mut Search<'_>,
+        branches: &mut Branches,
+        stack: &mut Vec<Reference>,
+        start: usize,
+        todo: Todo,
+    ) -> Result<Grown> {
+        let n = stack.len() - start;
+        if n > 1024 {
+            self.check_cancelled()?;
+        }
+        let Some((split, failures)) = self.choose(search, &stack[start..], &todo) else {
+            return self.leaf(branches, &stack[start..]);
+        };
+        let parts = self.partition_in(stack, start, &split)?;
+        let sides = (&stack[start..start + parts.left], &stack[parts.right_start..]);
+        let [left, right] = self.children(&todo, &split, failures, sides);
+        let mark = branches.mark();
+        let r = self.grow_in(search, branches, stack, parts.right_start, right)?;
+        stack.truncate(start + parts.left);
+        let l = self.grow_in(search, branches, stack, start, left)?;
+        stack.truncate(start);
+        let grown = self.join(branches, &todo.cell, &split, [l, r])?;
+        if self.spec.prune == Prune::None || n > PRUNE_UP_TO || self.costs.leaf(n) > grown.cost {
+            return Ok(grown);
+        }
+        let (root, count) = branches.collapse(mark)?;
+        Ok(Grown { root, cost: self.costs.leaf(count) })
+    }
+
+    /// The split of a node, unless it is to be a leaf.
+    fn choose(&self, search: &mut Search<'_>, refs: &[Reference], todo: &Todo) -> Option<(Split, Failures)> {
+        if refs.len() <= 1 && self.costs.leaf(refs.len()) <= self.costs.traverse || todo.depth >= self.stop.max_depth {
+            return None;
+        }
+        let split = search.best(refs, &todo.cell, &todo.tight, &todo.rays)?;
+        let failures = self.stop.go_on(&self.costs, refs.len(), split.cost, todo.failures)?;
+        // Twice the references is the most that a split can need.
+        let needed = if refs.len() * 2 <= todo.budget { 0 } else { count_sides(refs, &split) };
+        (needed <= todo.budget).then_some((split, failures))
+    }
+
+    /// What the two sides of a split are to become.
+    fn children(
+        &self,
+        todo: &Todo,
+        split: &Split,
+        failures: Failures,
+        (left, right): (&[Reference], &[Reference]),
+    ) -> [Todo; 2] {
+        let (cell_left, cell_right) = todo.cell.split(split.axis, split.plane);
+        // `choose` has made sure that both sides fit.
+        let spare = todo.budget.saturating_sub(left.len() + right.len());
+        // What is left of the budget goes where the references are; in integers, so that it never depends on threads.
+        let spare_left = (spare as u128 * left.len() as u128 / (left.len() + right.len()).max(1) as u128) as usize;
+        let child = |refs: &[Reference], cell: Aabb, budget: usize| Todo {
+            rays: self.heuristic.descend(&todo.rays, &cell),
+            tight: bounds_of(refs),
+            cell,
+            depth: todo.depth + 1,
+            failures,
+            budget,
+        };
+        [child(left, cell_left, left.len() + spare_left), child(right, cell_right, right.len() + spare - spare_left)]
+    }
+
+    fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {
+        self.report(refs.len());
+        Ok(Grown { root: branches.leaf(refs.iter().map(|r| r.id))?, cost: self.costs.leaf(refs.len()) })
+    }
+
+    /// An interior node over two finished children.
+    fn join(&self, branches: &mut Branches, cell: &Aabb, split: &Split, children: [Grown; 2]) -> Result<Grown> {
+        let chance = if self.spec.prune == Prune::Area { area_chance(cell, split) } else { split.chance };
+        let cost = self.costs.traverse + chance.left * children[0].cost + chance.right * children[1].cost;
+        let chances = [split.chance.left, split.chance.right];
+        let children = children.map(|c| c.root);
+        let root = branches.push(Branch::Interior { axis: split.axis, plane: split.plane, children, chances })?;
+        Ok(Grown { root, cost })
+    }
+
+    fn check_cancelled(&self) -> Result<()> {
+        if self.options.cancel.is_some_and(|cancel| cancel()) {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    /// Progress counts leaf references against the number of primitives; perfect splits make more of the former, so it
+    /// runs ahead and then waits.
+    fn report(&self, leaf: usize) {
+        if let Some(progress) = self.options.progress {
+            let before = self.finished.fetch_add(leaf as u64, Ordering::Relaxed);
+            let step = (self.total / 100).max(1);
+            if before / step != (before + leaf as u64) / step {
+                progress(((before + leaf as u64) as f64 / self.total.max(1) as f64).min(1.0));
+            }
+        }
+    }
+}
+
+/// Where the two sides of a partition lie on the stack.
+struct Parts {
+    /// The left side's length; it lies where the node's references were.
+    left: usize,
+    /// Where the right side starts; it ends at the top.
+    right_start: usize,
+}
+
+impl Builder<'_> {
+    /// Cuts references in place: the left side stays, the right one goes to the end of the stack. No allocation a node.
+    fn partition_in(&self, stack: &mut Vec<Reference>, start: usize, split: &Split) -> Result<Parts> {
+        let right_start = stack.len();
+        reserve(stack, right_start - start, "references")?;
+        let mut kept = start;
+        for i in start..right_start {
+            let (left, right) = self.cut(stack[i], split);
+            if let Some(left) = left {
+                stack[kept] = left;
+                kept += 1;
+            }
+            if let Some(right) = right {
+                stack.push(right);
+            }
+        }
+        Ok(Parts { left: kept - start, right_start })
+    }
+
+    /// Cuts references into two new lists.
+    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>)> {
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        for r in refs {
+            let (l, r) = self.cut(*r, split);
+            for (side, part) in [(&mut left, l), (&mut right, r)] {
+                if let Some(part) = part {
+                    reserve(side, 1, "references")?;
+                    side.push(part);
+                }
+            }
+        }
+        Ok((left, right))
+    }
+
+    /// The parts of a reference on both sides of a split; one of them at least.
+    #[inline(always)]
+    fn cut(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
+        match r.sides(split.axis, split.plane, split.flat_left) {
+            (true, false) => (Some(r), None),
+            (false, _) => (None, Some(r)),
+            (true, true) => self.cut_straddler(r, split),
+        }
+    }
+
+    fn cut_straddler(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
+        let (left, right) = self.clipper.split(&r, split.axis, split.plane);
+        let part = |b: Aabb| (!b.is_empty()).then(|| Reference::new(r.id, &b));
+        match (part(left), part(right)) {
+            // Nothing on either side can only be rounding: a lost reference would be a hole.
+            (None, None) => {
+                let (left, right) = r.bounds().split(split.axis, split.plane);
+                (Some(Reference::new(r.id, &left)), Some(Reference::new(r.id, &right)))
+            }
+            parts => parts,
+        }
+    }
+}
+
+fn bounds_of(refs: &[Reference]) -> Aabb {
+    let mut tight = Aabb::EMPTY;
+    for r in refs {
+        for a in 0..3 {
+            tight.min[a] = if r.min[a] < tight.min[a] { r.min[a] } else { tight.min[a] };
+            tight.max[a] = if r.max[a] > tight.max[a] { r.max[a] } else { tight.max[a] };
+        }
+    }
+    tight
+}
+
+/// How many references both sides of a split have together, before clipping drops any.
+fn count_sides(refs: &[Reference], split: &Split) -> usize {
+    let sides = |r: &Reference| r.sides(split.axis, split.plane, split.flat_left);
+    refs.iter().map(sides).map(|(l, r)| usize::from(l) + usize::from(r)).sum()
+}
+
+/// The chances by areas, whatever heuristic chose the split.
+fn area_chance(cell: &Aabb, split: &Split) -> SplitProbability {
+    let mut out = [SplitProbability::default()];
+    Sah.sweep(&NodeRays::default(), cell, split.axis, &[split.plane], &mut out);
+    out[0]
+}

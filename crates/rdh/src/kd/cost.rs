@@ -1,0 +1,55 @@
+//! What nodes and leaves cost: the constants of equation (1), measured once and stored, never calibrated at run time.
+
+use super::spec::LeafWidth;
+use crate::heuristic::SplitProbability;
+
+/// c_t and c_i of equation (1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Costs {
+    /// c_t: one step through an interior node.
+    pub traverse: f32,
+    /// c_i: one test; of one triangle, or of up to eight at once.
+    pub intersect: f32,
+    /// Splits that cut off empty space count as cheaper by this part.
+    pub empty_bonus: f32,
+    /// What a test tests.
+    pub leaf: LeafWidth,
+}
+
+impl Costs {
+    /// The stored constants for a leaf width.
+    pub fn of(leaf: LeafWidth) -> Self {
+        match leaf {
+            LeafWidth::One => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.2, leaf },
+            LeafWidth::Eight => Self { traverse: 1.0, intersect: 2.0, empty_bonus: 0.2, leaf },
+        }
+    }
+
+    /// What a leaf of `n` triangles costs.
+    #[inline(always)]
+    pub fn leaf(&self, n: usize) -> f32 {
+        match self.leaf {
+            LeafWidth::One => self.intersect * n as f32,
+            LeafWidth::Eight => self.intersect * n.div_ceil(8) as f32,
+        }
+    }
+
+    /// What a child of `n` triangles is expected to cost while splits are compared. Steps of eight would hide most
+    /// differences, so half of the cost is linear.
+    #[inline(always)]
+    pub fn child(&self, n: u32) -> f32 {
+        match self.leaf {
+            LeafWidth::One => self.intersect * n as f32,
+            LeafWidth::Eight => self.intersect * 0.5 * (n.div_ceil(8) as f32 + n as f32 * 0.125),
+        }
+    }
+}
+
+impl Costs {
+    /// Equation (1) for a split into leaves of so many triangles, with the bonus for empty space.
+    #[inline(always)]
+    pub(crate) fn split(&self, chance: SplitProbability, left: u32, right: u32) -> f32 {
+        let cost = self.traverse + chance.left * self.child(left) + chance.right * self.child(right);
+        if left == 0 || right == 0 { cost * (1.0 - self.empty_bonus) } else { cost }
+    }
+}

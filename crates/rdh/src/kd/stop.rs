@@ -1,0 +1,51 @@
+//! When a node is not split further.
+
+use super::cost::Costs;
+use super::spec::Stop;
+
+/// The rule, with what it needs to know of the whole tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StopRule {
+    stop: Stop,
+    /// No node lies deeper.
+    pub(crate) max_depth: u32,
+    /// So many failed splits in a row are borne.
+    max_failures: u32,
+}
+
+/// How many splits above a node did not pay.
+pub(crate) type Failures = u32;
+
+impl StopRule {
+    /// The deepest tree that traversal's stack can hold.
+    pub(crate) const DEEPEST: u32 = 64;
+
+    /// The rule for `n` triangles.
+    pub(crate) fn new(stop: Stop, n: usize, max_depth: Option<usize>) -> Self {
+        let log2 = |x: usize| f64::from(x.max(1).ilog2());
+        let (default_depth, max_failures) = match stop {
+            Stop::Cost => (8.0 + 1.3 * log2(n), 0),
+            Stop::Auto => (8.0 + 1.3 * log2(n), 3),
+            Stop::Paper => {
+                let depth = 1.2 * log2(n) + 2.0;
+                (depth, (1.0 + 0.2 * depth) as u32)
+            }
+        };
+        let max_depth = max_depth.map_or(default_depth as u32, |d| d.min(64) as u32).min(Self::DEEPEST);
+        Self { stop, max_depth, max_failures }
+    }
+
+    /// Whether a node of `n` triangles whose best split costs `split` is split all the same; with the failures its
+    /// children start from.
+    pub(crate) fn go_on(&self, costs: &Costs, n: usize, split: f32, failures: Failures) -> Option<Failures> {
+        let leaf = costs.leaf(n);
+        let pays = match self.stop {
+            Stop::Cost | Stop::Auto => split < leaf,
+            Stop::Paper => split < 0.75 * leaf,
+        };
+        let failures = failures + u32::from(!pays);
+        // A split that is hopelessly worse is not worth a look-ahead in a small node.
+        let hopeless = self.stop == Stop::Auto && split > 4.0 * leaf && n <= 16;
+        (failures <= self.max_failures && !hopeless).then_some(failures)
+    }
+}

@@ -1,0 +1,14 @@
+//! Memory: fallible allocation, and buffers that are not cleared before use.
+#![allow(unsafe_code, reason = "uninitialised buffers are the purpose of this module")]
+
+mod stack;
+
+pub(crate) use stack::Stack;
+
+use crate::error::{Error, Result};
+
+/// Makes room for `additional` more elements, or says that there is none. The one allocator seam of the builders.
+pub(crate) fn reserve<T>(vec: &mut Vec<T>, additional: usize, what: &'static str) -> Result<()> {
+    let bytes = additional.saturating_mul(size_of::<T>());
+    vec.try_reserve(additional).map_err(|_| Error::OutOfMemory { what, bytes })
+}

@@ -1,0 +1,50 @@
+//! Every CPU: the plain loops that other levels must agree with.
+
+use super::{Block, Kernels, LANES};
+use crate::geom::RayFrame;
+
+/// Plain loops.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Portable;
+
+impl Kernels for Portable {
+    type Frame = RayFrame;
+
+    #[inline(always)]
+    fn frame(frame: &RayFrame) -> RayFrame {
+        *frame
+    }
+
+    #[inline(always)]
+    fn candidates(frame: &RayFrame, block: &Block) -> u32 {
+        let [kx, ky, kz] = frame.k;
+        let (mut x, mut y) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
+        for c in 0..3 {
+            for i in 0..LANES {
+                let z = block.corners[c][kz][i] - frame.origin[kz];
+                x[c][i] = (block.corners[c][kx][i] - frame.origin[kx]) - frame.shear[0] * z;
+                y[c][i] = (block.corners[c][ky][i] - frame.origin[ky]) - frame.shear[1] * z;
+            }
+        }
+        let mut mask = 0;
+        for i in 0..LANES {
+            let u = x[2][i] * y[1][i] - y[2][i] * x[1][i];
+            let v = x[0][i] * y[2][i] - y[0][i] * x[2][i];
+            let w = x[1][i] * y[0][i] - y[1][i] * x[0][i];
+            // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing, and stay candidates.
+            let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+            mask |= u32::from(!outside) << i;
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]) {
+        counts.fill(0);
+        for &value in values {
+            for (count, &plane) in counts.iter_mut().zip(planes) {
+                *count += u32::from(value < plane);
+            }
+        }
+    }
+}
