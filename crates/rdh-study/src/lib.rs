@@ -1,1 +1,28 @@
-//! Integrators, measurement and statistics.
+//! Studies: which rays an application casts, what they cost in each structure, and whether a difference is one.
+//!
+//! ```text
+//!  summary      ratios to a base, with intervals
+//!  stats        means, medians, bootstrap
+//!  run          all cases of a plan, row by row
+//!  measure      counts and times of finished structures
+//!  plan         what is to be run, as plain data
+//!  integrate    scenes and views -> rays of each class; pictures
+//! ```
+//! Each layer uses only those below it.
+
+pub mod clock;
+pub mod error;
+pub mod integrate;
+pub mod measure;
+pub mod plan;
+pub mod rows;
+pub mod run;
+pub mod stats;
+pub mod summary;
+
+pub use error::{Error, Result};
+pub use integrate::{Lens, Mode, RayBatch, Stage};
+pub use plan::{Case, Plan, Protocol, Target};
+pub use rows::{Document, Failure, Mismatch, Row, Summary, Verdict};
+pub use run::{Event, run, run_loading};
+pub use summary::summarise;

@@ -1,0 +1,189 @@
+//! A scene made ready for integrators: one mesh, what its surfaces are made of, where the lights are.
+
+use rdh::{Aabb, Hit, Mesh, Ray, TriId, Vec3};
+use rdh_scene::{Flat, Material, Scene, View};
+
+use super::parts::connected_parts;
+use super::vector::{V3, add, cross, dot, length, magnitude, narrow, scale, sub, unit, wide};
+
+/// A scene made ready for integrators. Positions are relative to the scene's origin.
+///
+/// Scenes without materials are diffuse (0.8), and every eighth connected mesh is a mirror (0.3, with a diffuse part of 0.5).
+/// A mesh is an instance; where there is only one instance, it is a part of it that is connected by common vertex
+/// positions; parts are numbered by their first triangle. The 8th, 16th, … are mirrors, so that a scene of fewer has none.
+///
+/// Scenes without lights have one point light: over the centre of the scene's box, at 0.9 of its height along `up`.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    flat: Flat,
+    surfaces: Surfaces,
+    lights: Vec<Vec3>,
+    bounds: Aabb,
+    origin: [f64; 3],
+    up: V3,
+}
+
+/// What each triangle is made of.
+#[derive(Debug, Clone)]
+enum Surfaces {
+    /// The scene's materials, by instance.
+    Given(Vec<Material>),
+    /// Every eighth instance is a mirror.
+    ByInstance,
+    /// Every eighth part of the only instance is a mirror: whether a triangle is in one.
+    ByPart(Vec<bool>),
+}
+
+/// A point on a surface, from which rays start.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SurfacePoint {
+    pub(crate) position: V3,
+    /// The geometric normal of length 1, on the side from which the triangle's corners run anticlockwise.
+    pub(crate) normal: V3,
+    /// The normal, turned to the side from which the ray came.
+    pub(crate) facing: V3,
+    /// How far off the surface spawned rays start.
+    pub(crate) offset: f64,
+    pub(crate) material: Material,
+}
+
+impl Stage {
+    /// The material of scenes that have none.
+    pub const PLAIN: Material = Material::DIFFUSE;
+    /// The material of their mirrors.
+    pub const MIRROR: Material = Material { diffuse: 0.5, mirror: 0.3, transmission: 0.0, index: 1.0 };
+
+    /// Flattens a scene.
+    ///
+    /// # Errors
+    /// What [`Mesh::new`] says.
+    pub fn new(scene: &Scene) -> rdh::Result<Self> {
+        let flat = scene.flatten()?;
+        let bounds = flat.mesh.bounds();
+        let up = unit(scene.up).unwrap_or([0.0, 0.0, 1.0]);
+        let mut lights: Vec<Vec3> = scene.lights.iter().map(|l| narrow(sub(l.position, scene.origin))).collect();
+        if lights.is_empty() {
+            lights.push(upper_light(&bounds, up));
+        }
+        let surfaces = match (scene.materials.is_empty(), scene.instances.len()) {
+            (false, _) => Surfaces::Given(scene.materials.clone()),
+            (true, 1) => Surfaces::ByPart(every_eighth_part(&flat.mesh)),
+            (true, _) => Surfaces::ByInstance,
+        };
+        Ok(Self { flat, surfaces, lights, bounds, origin: scene.origin, up })
+    }
+
+    /// The mesh that structures are built for.
+    pub fn mesh(&self) -> &Mesh {
+        &self.flat.mesh
+    }
+
+    /// The box of all triangles.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// The point lights.
+    pub fn lights(&self) -> &[Vec3] {
+        &self.lights
+    }
+
+    /// What `[0, 0, 0]` is in world coordinates: views are given in those.
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
+    }
+
+    /// Which direction is up, of length 1.
+    pub fn up(&self) -> [f64; 3] {
+        self.up
+    }
+
+    /// What a triangle is made of.
+    pub fn material(&self, tri: TriId) -> Material {
+        let eighth = |mirror: bool| if mirror { Self::MIRROR } else { Self::PLAIN };
+        match &self.surfaces {
+            Surfaces::Given(materials) => {
+                let index = self.flat.material[self.flat.instance_of(tri)];
+                materials.get(index).copied().unwrap_or(Self::PLAIN)
+            }
+            Surfaces::ByInstance => eighth(self.flat.instance_of(tri) % 8 == 7),
+            Surfaces::ByPart(mirrors) => eighth(mirrors[tri.index()]),
+        }
+    }
+
+    /// A view of the whole scene from outside, for scenes that come without one.
+    pub fn overview(&self) -> View {
+        let centre = if self.bounds.is_empty() { [0.0; 3] } else { wide(self.bounds.centre()) };
+        let reach = f64::from(self.bounds.diagonal()).max(f64::MIN_POSITIVE);
+        // A direction that is oblique to all axes, from a little above.
+        let side = unit(sub([1.0, 0.6, 0.3], scale(self.up, dot(self.up, [1.0, 0.6, 0.3])))).unwrap_or([1.0, 0.0, 0.0]);
+        let eye = add(centre, add(scale(side, 1.1 * reach), scale(self.up, 0.5 * reach)));
+        let world = |p: V3| add(p, self.origin);
+        let name = "overview".to_owned();
+        View { name, eye: world(eye), target: world(centre), up: self.up, fov_y_degrees: 45.0 }
+    }
+
+    /// Where `ray` hit.
+    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let [a, b, c] = self.mesh().corners(hit.tri).map(wide);
+        let (ab, ac) = (sub(b, a), sub(c, a));
+        let position = add(a, add(scale(ab, hit.u.into()), scale(ac, hit.v.into())));
+        let incoming = wide(ray.direction);
+        // A triangle can be hit and yet have no area in f64; it then faces the ray.
+        let normal = unit(cross(ab, ac)).or_else(|| unit(scale(incoming, -1.0))).unwrap_or(self.up);
+        let facing = if dot(incoming, normal) > 0.0 { scale(normal, -1.0) } else { normal };
+        let reach = magnitude(position) + length(ab).max(length(ac)).max(length(sub(c, b)));
+        SurfacePoint {
+            position,
+            normal,
+            facing,
+            offset: reach * SurfacePoint::OFFSET,
+            material: self.material(hit.tri),
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// Of the position's size plus the triangle's, the part by which rays start off the surface: 16 half ulps.
+    ///
+    /// A ray that starts at a distance `δ` from a triangle's plane and leaves it can't hit that triangle unless the test's
+    /// rounding moves the point found by `δ`. The test moves corners by less than 5 half ulps (2⁻²⁴) of their distance to the ray's
+    /// origin in each coordinate (`rdh::geom`), 9 in all; rounding `u`, `v` and the origin itself moves the origin by
+    /// less than 5 more.
+    const OFFSET: f64 = 16.0 / (1u64 << 24) as f64;
+
+    /// A ray from here along `direction` (of length 1), off the surface on the side to which it goes, so that it
+    /// can't hit the triangle it leaves.
+    pub(crate) fn spawn(&self, direction: V3) -> Ray {
+        let direction = narrow(direction);
+        let side = if dot(wide(direction), self.normal) < 0.0 { -self.offset } else { self.offset };
+        Ray::new(narrow(add(self.position, scale(self.normal, side))), direction)
+    }
+
+    /// A ray from here that ends at a point.
+    pub(crate) fn spawn_to(&self, target: Vec3) -> Option<Ray> {
+        let direction = unit(sub(wide(target), self.position))?;
+        let ray = self.spawn(direction);
+        let distance = length(sub(wide(target), wide(ray.origin)));
+        Some(ray.within(0.0, distance as f32))
+    }
+
+    /// Whether a point is on the side from which the ray came.
+    pub(crate) fn faces(&self, target: Vec3) -> bool {
+        dot(sub(wide(target), self.position), self.facing) > 0.0
+    }
+}
+
+fn upper_light(bounds: &Aabb, up: V3) -> Vec3 {
+    if bounds.is_empty() {
+        return [0.0; 3];
+    }
+    // The box's height along `up` is that of its projection; 0.9 of it is 0.4 above the centre.
+    let extent = wide(bounds.extent());
+    let height: f64 = (0..3).map(|a| up[a].abs() * extent[a]).sum();
+    narrow(add(wide(bounds.centre()), scale(up, 0.4 * height)))
+}
+
+fn every_eighth_part(mesh: &Mesh) -> Vec<bool> {
+    connected_parts(mesh).into_iter().map(|part| part % 8 == 7).collect()
+}

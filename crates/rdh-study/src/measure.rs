@@ -1,0 +1,124 @@
+//! What finished structures do with batches of rays: exact counts, answers, and times.
+
+use std::hint::black_box;
+
+use rayon::prelude::*;
+use rdh::{Accel, Counts, Query, Ray};
+
+use crate::clock::time_thread;
+use crate::integrate::RayBatch;
+
+/// The answer to one ray: distance and triangle; a ray that only asks whether anything is hit has neither.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Answer {
+    /// Bits of the distance: answers must be equal bit for bit.
+    t_bits: u32,
+    tri: u32,
+}
+
+/// What a structure did with a batch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tally {
+    /// What it cost.
+    pub counts: Counts,
+    /// Rays that hit something.
+    pub hits: u64,
+    /// Sum of the hit distances, in ray order; 0 for any-hit rays.
+    pub t_sum: f64,
+    /// Every ray's answer, in ray order.
+    pub answers: Vec<Answer>,
+}
+
+/// Where two tallies of the same batch differ.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Difference {
+    /// How many rays got different answers.
+    pub rays: u64,
+    /// The index of the first of them.
+    pub first: usize,
+}
+
+impl Answer {
+    const MISS: Self = Self { t_bits: u32::MAX, tri: u32::MAX };
+    const OCCLUDED: Self = Self { t_bits: 0, tri: u32::MAX };
+
+    /// Distance and triangle of a closest hit.
+    pub fn hit(self) -> Option<(f32, u32)> {
+        (self.tri != u32::MAX).then(|| (f32::from_bits(self.t_bits), self.tri))
+    }
+
+    /// Whether anything was hit.
+    pub fn is_hit(self) -> bool {
+        self != Self::MISS
+    }
+}
+
+/// Casts a batch once and counts everything. Runs on rayon's current threads; the result doesn't depend on how many.
+pub fn tally(accel: &Accel, batch: &RayBatch) -> Tally {
+    let chunk = |rays: &[Ray]| {
+        let mut counts = Counts::default();
+        let answers: Vec<Answer> = rays.iter().map(|ray| answer(accel, batch.query, ray, &mut counts)).collect();
+        (counts, answers)
+    };
+    let chunks: Vec<_> = batch.rays.par_chunks(4096).map(chunk).collect();
+    let (mut counts, mut answers) = (Counts::default(), Vec::with_capacity(batch.rays.len()));
+    for (c, a) in chunks {
+        counts += c;
+        answers.extend(a);
+    }
+    let hits = answers.iter().filter(|a| a.is_hit()).count() as u64;
+    // One after the other: a sum of floats depends on its order.
+    let t_sum = answers.iter().filter_map(|a| a.hit()).map(|(t, _)| f64::from(t)).sum();
+    Tally { counts, hits, t_sum, answers }
+}
+
+/// Modes ask for all hits of no ray; if a batch does, its nearest ones are counted.
+fn answer(accel: &Accel, query: Query, ray: &Ray, counts: &mut Counts) -> Answer {
+    match query {
+        Query::Occluded if accel.occluded_counted(ray, counts) => Answer::OCCLUDED,
+        Query::Occluded => Answer::MISS,
+        Query::Closest | Query::All => match accel.closest_counted(ray, counts) {
+            Some(hit) => Answer { t_bits: hit.t.to_bits(), tri: hit.tri.0 },
+            None => Answer::MISS,
+        },
+    }
+}
+
+/// Where `tally` differs from `base`, if anywhere.
+pub fn difference(tally: &Tally, base: &Tally) -> Option<Difference> {
+    let mut different =
+        tally.answers.iter().zip(&base.answers).enumerate().filter(|(_, (a, b))| a != b).map(|(i, _)| i);
+    let first = different.next()?;
+    Some(Difference { rays: 1 + different.count() as u64, first })
+}
+
+/// Seconds of each structure, batch and round, as `[structure][batch][round]`: one thread's CPU time.
+///
+/// In each round every structure casts all batches in turn, and the order of structures is rotated from round to round,
+/// so that whatever drifts (clock speed, neighbours on the machine) meets all alike.
+pub fn time_interleaved(accels: &[&Accel], batches: &[RayBatch], rounds: usize) -> Vec<Vec<Vec<f64>>> {
+    let mut secs = vec![vec![Vec::with_capacity(rounds); batches.len()]; accels.len()];
+    for round in 0..rounds {
+        for turn in 0..accels.len() {
+            let which = (turn + round) % accels.len();
+            for (batch, secs) in batches.iter().zip(&mut secs[which]) {
+                secs.push(cast_secs(accels[which], batch));
+            }
+        }
+    }
+    secs
+}
+
+/// CPU seconds of this thread for casting a batch the way users do.
+fn cast_secs(accel: &Accel, batch: &RayBatch) -> f64 {
+    let (_, secs) = time_thread(|| match batch.query {
+        Query::Occluded => {
+            black_box(batch.rays.iter().filter(|ray| accel.occluded(ray)).count());
+        }
+        Query::Closest | Query::All => {
+            // The sum keeps the compiler from dropping what nobody reads.
+            black_box(batch.rays.iter().filter_map(|ray| accel.closest(ray)).map(|hit| hit.t).sum::<f32>());
+        }
+    });
+    secs
+}

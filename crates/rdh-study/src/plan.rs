@@ -1,0 +1,241 @@
+//! What is to be run, as plain data.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rdh::{HeuristicSpec, RdhSpec, Spec};
+use rdh_scene::{Entry, View};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::integrate::Mode;
+
+/// A study: targets × modes × specs. Everything that decides its counts is in here.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Which scenes, and which of their views.
+    pub targets: Vec<Target>,
+    /// Which rays.
+    pub modes: Vec<Mode>,
+    /// Which structures; the first is the base that the others are compared with.
+    pub specs: Vec<Spec>,
+    /// Width and height of the film, in pixels; one test ray a pixel. The scanner of `lidar` has its own: 64 × 2048.
+    pub size: [usize; 2],
+    /// How many training rays a view gets, in each mode.
+    pub training: usize,
+    /// How the training rays are chosen.
+    pub protocol: Protocol,
+    /// Test and training rays use two seeds that are derived from this one.
+    pub seed: u64,
+    /// How often each structure casts all rays, interleaved with the others.
+    pub rounds: usize,
+    /// The same in small scenes, whose times are noisier.
+    pub small_rounds: usize,
+    /// How often small scenes' structures are built, interleaved, to time it. Those of larger scenes are built once.
+    pub small_builds: usize,
+    /// Scenes of fewer triangles are small.
+    pub small_triangles: usize,
+    /// Threads that make and count rays; `None` is rayon's current pool. What is timed always runs on one.
+    pub threads: Option<usize>,
+}
+
+/// A scene and the views that are wanted of it.
+#[derive(Debug, Clone)]
+pub struct Target {
+    /// The scene.
+    pub entry: Entry,
+    /// Names of the wanted views; empty for all.
+    pub views: Vec<String>,
+    /// The frames; usually only 0, the scene at rest.
+    pub frames: Vec<u32>,
+}
+
+/// How the training rays are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Protocol {
+    /// From other film positions and another seed than the test rays. Recommended: no ray is both learnt and counted.
+    #[default]
+    Unseen,
+    /// A subset of the frame's own pixels; the whole frame counts. The paper's.
+    Paper,
+    /// All test rays: the bound of what any sample could give.
+    Same,
+}
+
+/// One unit of work: a view of a scene in a mode.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Case {
+    /// The scene's id.
+    pub scene: String,
+    /// The view's name.
+    pub view: String,
+    /// The frame.
+    pub frame: u32,
+    /// The mode.
+    pub mode: Mode,
+}
+
+impl Default for Plan {
+    /// What `interface.md` of the program promises: 512 × 512 test rays, 16,384 training rays, the three default specs.
+    fn default() -> Self {
+        Self {
+            targets: Vec::new(),
+            modes: vec![Mode::Primary],
+            specs: Self::default_specs(),
+            size: [512, 512],
+            training: 16_384,
+            protocol: Protocol::Unseen,
+            seed: 1,
+            rounds: 3,
+            small_rounds: 5,
+            small_builds: 3,
+            small_triangles: 100_000,
+            threads: None,
+        }
+    }
+}
+
+impl Plan {
+    /// A quarter of the rays, and the fewest rounds that give an interval: for a first look.
+    pub fn quick() -> Self {
+        Self { size: [256, 256], training: 4_096, small_rounds: 3, small_builds: 1, ..Self::default() }
+    }
+
+    /// `kd+sah`, the paper's heuristic, and ours.
+    pub fn default_specs() -> Vec<Spec> {
+        let kd = |heuristic| Spec { heuristic, ..Spec::default() };
+        let [paper, ours] = [RdhSpec::PAPER, RdhSpec::default()].map(HeuristicSpec::Rdh);
+        vec![kd(HeuristicSpec::Sah), kd(paper), kd(ours)]
+    }
+
+    /// Rounds for a scene of so many triangles.
+    pub fn rounds_for(&self, triangles: usize) -> usize {
+        if triangles < self.small_triangles { self.small_rounds } else { self.rounds }
+    }
+
+    /// Builds for a scene of so many triangles.
+    pub fn builds_for(&self, triangles: usize) -> usize {
+        if triangles < self.small_triangles { self.small_builds.max(1) } else { 1 }
+    }
+
+    /// The cases, as far as the views are known before scenes are loaded; their number is what progress is measured by.
+    pub fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for target in &self.targets {
+            for &frame in &target.frames {
+                for view in target.view_names() {
+                    for &mode in &self.modes {
+                        cases.push(Case { scene: target.entry.id.clone(), view: view.clone(), frame, mode });
+                    }
+                }
+            }
+        }
+        cases
+    }
+
+    /// Refuses plans that ask for nothing or for nonsense.
+    ///
+    /// # Errors
+    /// [`Error::Plan`], saying what to change.
+    pub fn check(&self) -> Result<()> {
+        let fail = |why: String| Err(Error::Plan(why));
+        let duplicate = self.specs.iter().enumerate().find(|(i, s)| self.specs[..*i].contains(s));
+        if let Some((_, spec)) = duplicate {
+            return fail(format!("spec '{spec}' is given twice"));
+        }
+        if let Some((_, mode)) = self.modes.iter().enumerate().find(|(i, m)| self.modes[..*i].contains(m)) {
+            return fail(format!("mode '{mode}' is given twice"));
+        }
+        let empty = [
+            ("scenes", self.targets.is_empty()),
+            ("modes", self.modes.is_empty()),
+            ("specs", self.specs.is_empty()),
+            ("pixels", self.size.contains(&0)),
+            ("rounds", self.rounds == 0 || self.small_rounds == 0),
+            ("training rays", self.training == 0 && self.specs.iter().any(Spec::needs_rays)),
+        ];
+        if let Some((what, _)) = empty.iter().find(|(_, is_empty)| *is_empty) {
+            return fail(format!("nothing to do: no {what}"));
+        }
+        let pixels = self.size[0].checked_mul(self.size[1]).filter(|&n| n <= Self::MAX_PIXELS);
+        if pixels.is_none() || self.training > Self::MAX_PIXELS {
+            return fail(format!("at most {} pixels and training rays are possible", Self::MAX_PIXELS));
+        }
+        match self.targets.iter().find(|t| t.frames.is_empty()) {
+            Some(target) => fail(format!("scene '{}': no frames", target.entry.id)),
+            None => Ok(()),
+        }
+    }
+
+    /// More rays than this would not fit into memory together with the trees.
+    pub const MAX_PIXELS: usize = 1 << 26;
+}
+
+impl Target {
+    /// A scene at rest, with all its views.
+    pub fn all(entry: Entry) -> Self {
+        Self { entry, views: Vec::new(), frames: vec![0] }
+    }
+
+    /// A scene at rest, with one of its views.
+    pub fn view(entry: Entry, view: impl Into<String>) -> Self {
+        Self { entry, views: vec![view.into()], frames: vec![0] }
+    }
+
+    /// How many views it will have, as far as is known before it is loaded.
+    pub(crate) fn views_expected(&self) -> usize {
+        self.view_names().len()
+    }
+
+    fn view_names(&self) -> Vec<String> {
+        if self.views.is_empty() {
+            self.entry.views.iter().map(|v| v.name.clone()).collect()
+        } else {
+            self.views.clone()
+        }
+    }
+
+    /// The wanted views, once the scene is loaded: those of the catalogue, else the scene's own, else one from outside.
+    ///
+    /// # Errors
+    /// An unknown name, with the known ones.
+    pub(crate) fn resolve(&self, own: &[View], overview: impl FnOnce() -> View) -> Result<Vec<View>, String> {
+        let mut known = if self.entry.views.is_empty() { own.to_vec() } else { self.entry.views.clone() };
+        if known.is_empty() {
+            known.push(overview());
+        }
+        if self.views.is_empty() {
+            return Ok(known);
+        }
+        let find = |name: &String| {
+            let names = || known.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
+            let found = known.iter().find(|v| v.name == *name).cloned();
+            found.ok_or_else(|| format!("unknown view '{name}'; known: {}", names()))
+        };
+        self.views.iter().map(find).collect()
+    }
+}
+
+impl FromStr for Protocol {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "unseen" | "default" => Ok(Self::Unseen),
+            "paper" => Ok(Self::Paper),
+            "same" => Ok(Self::Same),
+            _ => Err(Error::UnknownName { what: "protocol", name: name.to_owned(), known: "unseen, paper, same" }),
+        }
+    }
+}
+
+impl fmt::Display for Protocol {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unseen => "unseen",
+            Self::Paper => "paper",
+            Self::Same => "same",
+        })
+    }
+}

@@ -1,0 +1,238 @@
+//! The rows and summaries that `rdh compare --json`, `rdh study` and `rdh merge` speak.
+//!
+//! The field names are a contract; fields may be added, never renamed.
+
+use rdh::{RayClass, Spec};
+use rdh_scene::Kind;
+use serde::{Deserialize, Serialize};
+
+use crate::integrate::Mode;
+use crate::plan::Protocol;
+
+/// Everything a run found out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Document {
+    /// The version of this format: [`Document::VERSION`].
+    pub version: u32,
+    /// One row per scene, view, frame, mode, class and spec.
+    pub rows: Vec<Row>,
+    /// One summary per mode, class and spec other than the base.
+    pub summary: Vec<Summary>,
+    /// What could not be run; absent in JSON if empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failures: Vec<Failure>,
+    /// Where two structures gave different answers; absent in JSON if empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mismatches: Vec<Mismatch>,
+}
+
+/// What one structure did with the rays of one class in one view.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The scene's id.
+    pub scene: String,
+    /// The view's name.
+    pub view: String,
+    /// The frame, 0 at rest.
+    pub frame: u32,
+    /// How the scene occludes itself.
+    pub kind: Kind,
+    /// Which integrator made the rays.
+    pub mode: Mode,
+    /// What the rays are for.
+    #[serde(with = "class_text")]
+    pub class: RayClass,
+    /// The structure.
+    pub spec: Spec,
+    /// Triangles of the scene.
+    pub triangles: usize,
+    /// Rays cast.
+    pub rays: u64,
+    /// Rays that hit something.
+    pub hits: u64,
+    /// Sum of the hit distances, in ray order; 0 for rays that only ask whether something is hit.
+    pub t_sum: f64,
+    /// Rays the structure was built for; 0 if its heuristic needs none.
+    pub trained_on: usize,
+    /// The view of those rays; null if there are none.
+    pub train_view: Option<String>,
+    /// The frame of those rays; null if there are none.
+    pub train_frame: Option<u32>,
+    /// Interior and leaf visits a ray.
+    pub steps_per_ray: f64,
+    /// Triangles in the leaves visited, a ray; padding is not counted.
+    pub tests_per_ray: f64,
+    /// Empty leaves visited a ray.
+    pub empty_leaves_per_ray: f64,
+    /// One thread's CPU time a ray: the median of the rounds.
+    pub nanos_per_ray: f64,
+    /// The same of each round. Round `i` of all specs of a case ran next to each other.
+    pub round_nanos_per_ray: Vec<f64>,
+    /// One thread's CPU time of the build: the median if it was repeated.
+    pub build_secs: f64,
+    /// One thread's CPU time of casting and recording the training rays through the first tree; 0 without training.
+    pub rrs_secs: f64,
+    /// Interior nodes and leaves.
+    pub nodes: usize,
+    /// References from leaves to triangles.
+    pub references: usize,
+    /// Bytes of the structure and its copies of triangles.
+    pub bytes: usize,
+    /// The longest way from the root to a leaf, in edges.
+    pub depth: usize,
+    /// How the training rays were chosen.
+    pub protocol: Protocol,
+    /// The plan's seed.
+    pub seed: u64,
+}
+
+/// A spec against the base over all scenes and views. Ratios are geometric means of spec / base: below 1 is better.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Which integrator made the rays.
+    pub mode: Mode,
+    /// The class of the rays; `None`, in JSON `"all"`, for all classes of the mode together.
+    #[serde(with = "class_or_all_text")]
+    pub class: Option<RayClass>,
+    /// The structure.
+    pub spec: Spec,
+    /// What it is compared with.
+    pub base: Spec,
+    /// How many pairs: scenes × views × frames (× seeds) that have both.
+    pub n: usize,
+    /// Interior and leaf visits.
+    pub steps_ratio: f64,
+    /// Triangles tested.
+    pub tests_ratio: f64,
+    /// Time a ray.
+    pub time_ratio: f64,
+    /// A 95 % interval of `time_ratio`, bootstrapped with the scene as cluster.
+    pub time_ratio_ci95: [f64; 2],
+    /// Build time, without the acquisition of the training rays.
+    pub build_ratio: f64,
+    /// Build time and acquisition of the training rays.
+    pub build_and_rrs_ratio: f64,
+    /// Memory.
+    pub bytes_ratio: f64,
+    /// Pairs whose own 95 % interval lies wholly above 1.
+    pub slower_cases: usize,
+}
+
+/// Something that could not be run. The other cases were.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// The scene's id.
+    pub scene: String,
+    /// The view, if only one was concerned.
+    pub view: Option<String>,
+    /// The structure, if only one was concerned.
+    pub spec: Option<Spec>,
+    /// What went wrong.
+    pub reason: String,
+}
+
+/// Two structures that don't agree: a bug of one of them, so that none of their times count.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Mismatch {
+    /// The scene's id.
+    pub scene: String,
+    /// The view's name.
+    pub view: String,
+    /// Which integrator made the rays.
+    pub mode: Mode,
+    /// What the rays are for.
+    #[serde(with = "class_text")]
+    pub class: RayClass,
+    /// The structure.
+    pub spec: Spec,
+    /// What it was compared with.
+    pub base: Spec,
+    /// How many rays got different answers.
+    pub rays: u64,
+    /// The first of them: its index in the batch.
+    pub first_ray: usize,
+    /// That ray as `[ox, oy, oz, dx, dy, dz, t_min, t_max]`; bits for bits what was cast.
+    pub ray: [f32; 6],
+    /// The last `t` that counted for it; null if unlimited.
+    pub t_max: Option<f32>,
+    /// What the structure said: distance and triangle, or null for a miss.
+    pub answer: Option<(f32, u32)>,
+    /// What the base said.
+    pub base_answer: Option<(f32, u32)>,
+}
+
+/// How a run ended, worst first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Structures disagree.
+    Mismatch,
+    /// Something could not be run.
+    Failed,
+    /// All is well.
+    Fine,
+}
+
+impl Document {
+    /// The version this program writes.
+    pub const VERSION: u32 = 1;
+
+    /// How the run ended.
+    pub fn verdict(&self) -> Verdict {
+        if !self.mismatches.is_empty() {
+            Verdict::Mismatch
+        } else if !self.failures.is_empty() {
+            Verdict::Failed
+        } else {
+            Verdict::Fine
+        }
+    }
+}
+
+impl Verdict {
+    /// The program's exit code: 0 fine, 1 failed, 3 a verification failed.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Fine => 0,
+            Self::Failed => 1,
+            Self::Mismatch => 3,
+        }
+    }
+}
+
+/// A class by its name.
+mod class_text {
+    use rdh::RayClass;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(class: &RayClass, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str(class.name())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<RayClass, D::Error> {
+        parse(&String::deserialize(d)?).map_err(serde::de::Error::custom)
+    }
+
+    pub(super) fn parse(name: &str) -> Result<RayClass, String> {
+        let known = || RayClass::ALL.map(RayClass::name).join(", ");
+        let found = RayClass::ALL.into_iter().find(|c| c.name() == name);
+        found.ok_or_else(|| format!("unknown class '{name}'; known: {}", known()))
+    }
+}
+
+/// A class by its name, or "all".
+mod class_or_all_text {
+    use rdh::RayClass;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(class: &Option<RayClass>, s: S) -> Result<S::Ok, S::Error> {
+        s.serialize_str(class.map_or("all", RayClass::name))
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Option<RayClass>, D::Error> {
+        let name = String::deserialize(d)?;
+        if name == "all" {
+            return Ok(None);
+        }
+        super::class_text::parse(&name).map(Some).map_err(serde::de::Error::custom)
+    }
+}
