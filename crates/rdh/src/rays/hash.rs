@@ -39,13 +39,22 @@ impl RayHash {
     /// recorded ray.
     #[inline(always)]
     fn of_tagged(&self, ray: &Ray, tag: u32) -> u64 {
-        let w: &[u32; 9] = bytemuck::cast_ref(ray);
-        let pair = |low: u32, high: u32| u64::from(low) | u64::from(high) << 32;
-        let k = &self.keys;
-        let start = fold(pair(w[0], w[1]) ^ k[0], pair(w[2], w[3]) ^ k[1]);
-        let end = fold(pair(w[4], w[5]) ^ k[2], pair(w[6], w[7]) ^ k[3]);
-        fold(start ^ pair(w[8], tag), end ^ k[4])
+        let (w, k) = (words(ray), &self.keys);
+        let start = fold(w[0] ^ k[0], w[1] ^ k[1]);
+        let end = fold(w[2] ^ k[2], w[3] ^ k[3]);
+        fold(start ^ u64::from(ray.mask) ^ u64::from(tag) << 32, end ^ k[4])
     }
+}
+
+/// The bits of a ray without its mask, two numbers in a word, the first one in the lower half: `ox|oy oz|dx dy|dz t_min|t_max`.
+#[inline(always)]
+pub(super) fn words(ray: &Ray) -> [u64; 4] {
+    let bytes: &[u8; 36] = bytemuck::cast_ref(ray);
+    // One load each; the compiler does not find that by itself when it is given pairs of numbers.
+    [0, 8, 16, 24].map(|at| {
+        let word = u64::from_ne_bytes(std::array::from_fn(|i| bytes[at + i]));
+        if cfg!(target_endian = "big") { word.rotate_left(32) } else { word }
+    })
 }
 
 /// The 128-bit product of two words, its halves combined: each bit of the result depends on all bits of both.

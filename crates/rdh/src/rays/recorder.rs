@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 
 use super::bottom::{BottomK, Keyed};
-use super::hash::{Purpose, RayHash};
+use super::hash::{Purpose, RayHash, words};
 use super::profile::Tally;
 use super::{Profile, Query, RayClass, RaySample, slots};
 use crate::geom::{Hit, Ray};
@@ -30,7 +30,10 @@ pub struct Recorder {
     hash: RayHash,
     /// Rays with this hash or a greater one are left out. A copy of `kept`'s; it may lag behind, which costs time only.
     limit: AtomicU64,
-    slots: Box<[Slot]>,
+    /// One for each thread, by [`slots::current`].
+    owned: Box<[Slot]>,
+    /// For the threads that have none.
+    shared: Slot,
     kept: Mutex<BottomK>,
     seed: u64,
     capacity: usize,
@@ -55,7 +58,8 @@ impl Recorder {
         Self {
             hash: RayHash::new(seed, Purpose::Sample),
             limit: AtomicU64::new(kept.limit()),
-            slots: (0..slots::COUNT).map(|_| Slot::default()).collect(),
+            owned: (0..slots::OWNED).map(|_| Slot::default()).collect(),
+            shared: Slot::default(),
             kept: Mutex::new(kept),
             seed,
             capacity,
@@ -75,12 +79,13 @@ impl Recorder {
     /// distance, are counted as invalid and not kept.
     #[inline]
     pub fn record(&self, ray: &Ray, hit: Option<Hit>, query: Query, class: RayClass) {
-        let slot = slots::current();
-        bump(&self.slots[slot].seen[class as usize], slot);
         let t_hit = hit.map(|h| h.t);
-        let hash = self.hash.of_sample(ray, query, class);
-        if hash < self.limit.load(Relaxed) || !is_sound(ray, t_hit) {
-            self.keep(slot, hash, RaySample { ray: *ray, t_hit, query, class, weight: 1 });
+        let Some(slot) = self.owned.get(slots::current()) else { return self.record_shared(ray, t_hit, query, class) };
+        // Only this thread writes here. An atomic addition would cost more than all the rest.
+        let seen = &slot.seen[class as usize];
+        seen.store(seen.load(Relaxed) + 1, Relaxed);
+        if self.stands_out(ray, t_hit, query, class) {
+            self.keep(slot, ray, t_hit, query, class);
         }
     }
 
@@ -88,7 +93,7 @@ impl Recorder {
     pub fn into_profile(self) -> Profile {
         let mut kept = self.kept.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut tally = Tally::default();
-        for slot in self.slots {
+        for slot in self.owned.into_iter().chain([self.shared]) {
             for class in 0..8 {
                 tally.seen[class] += slot.seen[class].load(Relaxed);
                 tally.invalid[class] += slot.invalid[class].load(Relaxed);
@@ -98,15 +103,33 @@ impl Recorder {
         Profile::from_bottom(kept, tally, self.seed, self.capacity)
     }
 
+    /// Whether a ray is in the sample, as far as is known now, or invalid.
+    #[inline(always)]
+    fn stands_out(&self, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) -> bool {
+        (self.hash.of_sample(ray, query, class) < self.limit.load(Relaxed)) | !is_sound(ray, t_hit)
+    }
+
     #[cold]
     #[inline(never)]
-    fn keep(&self, slot: usize, hash: u64, sample: RaySample) {
-        let place = &self.slots[slot];
-        if !is_sound(&sample.ray, sample.t_hit) {
-            return bump(&place.invalid[sample.class as usize], slot);
+    fn record_shared(&self, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) {
+        slots::lease();
+        let slot = self.owned.get(slots::current()).unwrap_or(&self.shared);
+        slot.seen[class as usize].fetch_add(1, Relaxed);
+        if self.stands_out(ray, t_hit, query, class) {
+            self.keep(slot, ray, t_hit, query, class);
         }
-        let mut fresh = place.fresh.lock().unwrap_or_else(PoisonError::into_inner);
-        fresh.push(Keyed { hash, sample });
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn keep(&self, slot: &Slot, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) {
+        if !is_sound(ray, t_hit) {
+            slot.invalid[class as usize].fetch_add(1, Relaxed);
+            return;
+        }
+        let sample = RaySample { ray: *ray, t_hit, query, class, weight: 1 };
+        let mut fresh = slot.fresh.lock().unwrap_or_else(PoisonError::into_inner);
+        fresh.push(Keyed { hash: self.hash.of_sample(ray, query, class), sample });
         if fresh.len() >= BATCH {
             self.hand_on(&mut fresh);
         }
@@ -125,24 +148,13 @@ impl Recorder {
 fn is_sound(ray: &Ray, t_hit: Option<f32>) -> bool {
     const EXPONENTS: u64 = 0x7f80_0000_7f80_0000;
     const ALL_BUT_SIGNS: u64 = 0x7fff_ffff_7fff_ffff;
-    let w: &[u32; 9] = bytemuck::cast_ref(ray);
-    let pair = |i: usize| u64::from(w[i]) | u64::from(w[i + 1]) << 32;
+    let w = words(ray);
     // An exponent of all ones, and no other, overflows into the bit of the sign.
     let overflows = |word: u64| (word & EXPONENTS) + 0x0080_0000_0080_0000;
     let end = u64::from(t_hit.map_or(0, f32::to_bits));
-    let finite = (overflows(pair(0)) | overflows(pair(2)) | overflows(pair(4)) | overflows(end)) & !ALL_BUT_SIGNS == 0;
-    let moves = (pair(3) | u64::from(w[5])) & ALL_BUT_SIGNS != 0;
+    let finite = (overflows(w[0]) | overflows(w[1]) | overflows(w[2]) | overflows(end)) & !ALL_BUT_SIGNS == 0;
+    let moves = (w[1] >> 32 | w[2]) & ALL_BUT_SIGNS != 0;
     finite & moves & (ray.t_min <= ray.t_max)
-}
-
-/// Adds 1. A slot with one owner needs no atomic addition, which would cost more than all the rest of recording.
-#[inline(always)]
-fn bump(counter: &AtomicU64, slot: usize) {
-    if slot == slots::SHARED {
-        counter.fetch_add(1, Relaxed);
-    } else {
-        counter.store(counter.load(Relaxed) + 1, Relaxed);
-    }
 }
 
 #[cfg(test)]

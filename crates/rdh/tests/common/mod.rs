@@ -1,0 +1,36 @@
+//! What the property tests share: meshes, rays, and the list of everything that must have the properties.
+#![allow(dead_code, unreachable_pub, reason = "each test file uses its part of this shared module")]
+
+pub mod meshes;
+pub mod rays;
+
+use rdh::{Accel, BuildOptions, Mesh, Spec, Training, build};
+
+/// Every structure and heuristic, listed once: all property tests run on each.
+pub const SPECS: &[&str] = &[
+    "kd+sah",
+    "kd(split=exact)+sah",
+    "kd(leaf=1,split=exact)+sah",
+    "kd(leaf=1)+sah",
+    "kd(prune=none,stop=cost)+sah",
+    "kd(stop=paper,prune=none)+sah",
+    "kd+rdh(paper)",
+    "kd+rdh(paper,weight=0)",
+    "kd+rdh",
+    "kd(split=exact)+rdh(prior=0)",
+    "kd(leaf=1)+rdh(rays=whole,cap=100)",
+    "kd(prune=visits)+rdh(prior=2)",
+];
+
+/// The tree of a spec, trained on random rays through the mesh.
+pub fn build_spec(mesh: &Mesh, spec: &str) -> Accel {
+    let spec: Spec = spec.parse().expect(spec);
+    build(mesh, &spec, &training(mesh), &BuildOptions::default()).expect("a valid mesh builds")
+}
+
+/// Rays for training: from inside and outside, with their hits.
+pub fn training(mesh: &Mesh) -> Training {
+    use rdh::{Query, RayClass, RaySample, naive};
+    let sample = |ray| RaySample::new(ray, naive::closest(mesh, &ray), Query::Closest, RayClass::Other);
+    Training::from_samples(rays::mixed(mesh, 300, 7).into_iter().map(sample).collect())
+}

@@ -1,0 +1,89 @@
+//! Rays that find what random rays don't.
+
+use rdh::{Mesh, Ray, TriId};
+
+use super::meshes::Random;
+
+/// How a ray is aimed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    Edge,
+    Vertex,
+    Axis,
+    Anywhere,
+}
+
+pub const AIMS: [Aim; 4] = [Aim::Edge, Aim::Vertex, Aim::Axis, Aim::Anywhere];
+
+/// A ray from near `inside` at a point of the mesh; along an axis it starts beside a vertex instead.
+pub fn aimed(mesh: &Mesh, inside: [f32; 3], aim: Aim, random: &mut Random) -> Ray {
+    let corners = mesh.corners(TriId(random.below(mesh.len()) as u32));
+    let size = mesh.bounds().diagonal() * 0.02;
+    let from = inside.map(|x| x + size * random.between(-1.0, 1.0));
+    let target = match aim {
+        Aim::Vertex | Aim::Axis => corners[random.below(3)],
+        Aim::Edge => {
+            let (p, q, s) = (corners[0], corners[1 + random.below(2)], random.unit());
+            [0, 1, 2].map(|a| p[a] + s * (q[a] - p[a]))
+        }
+        Aim::Anywhere => {
+            let d = random.vector();
+            return Ray::new(from, d.map(|x| x * size));
+        }
+    };
+    if aim == Aim::Axis {
+        return along_axis(inside, target, random);
+    }
+    Ray::new(from, [0, 1, 2].map(|a| target[a] - from[a]))
+}
+
+/// A ray parallel to an axis that passes exactly through `target`, from the plane of `inside`, with zeros of both signs.
+fn along_axis(inside: [f32; 3], target: [f32; 3], random: &mut Random) -> Ray {
+    let axis = random.below(3);
+    let mut origin = target;
+    origin[axis] = inside[axis];
+    let zero = |bit: u32| if bit & 1 == 0 { 0.0 } else { -0.0 };
+    let mut direction = [zero(random.bits()), zero(random.bits()), zero(random.bits())];
+    direction[axis] = if target[axis] < inside[axis] { -1.0 } else { 1.0 };
+    Ray::new(origin, direction)
+}
+
+/// Rays of all kinds through a mesh: random lines, aimed ones, axis-parallel ones, short and long ones, in faces of boxes.
+pub fn mixed(mesh: &Mesh, n: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let bounds = mesh.bounds();
+    if bounds.is_empty() {
+        return vec![Ray::new([0.0; 3], [1.0, 0.0, 0.0]); n];
+    }
+    (0..n).map(|i| one(mesh, &bounds, i, &mut random)).collect()
+}
+
+fn one(mesh: &Mesh, bounds: &rdh::Aabb, i: usize, random: &mut Random) -> Ray {
+    let mut inside = |r: &mut Random| [0, 1, 2].map(|a: usize| r.between(bounds.min[a], bounds.max[a]));
+    let (p, q) = (inside(random), inside(random));
+    let ray = match i % 6 {
+        0 => Ray::new(p, [0, 1, 2].map(|a| q[a] - p[a])),
+        1 => aimed(mesh, p, Aim::Edge, random),
+        2 => aimed(mesh, p, Aim::Vertex, random),
+        3 => aimed(mesh, p, Aim::Axis, random),
+        4 => {
+            // In a face of the box, or in a plane through a vertex.
+            let corner = mesh.corners(TriId(random.below(mesh.len()) as u32))[0];
+            let axis = random.below(3);
+            let mut direction = [0, 1, 2].map(|a| q[a] - p[a]);
+            direction[axis] = 0.0;
+            let mut origin = p;
+            origin[axis] = if random.unit() < 0.5 { corner[axis] } else { bounds.min[axis] };
+            Ray::new(origin, direction)
+        }
+        _ => {
+            let scale = (random.between(-20.0, 20.0)).exp2();
+            Ray::new(p, [0, 1, 2].map(|a| (q[a] - p[a]) * scale))
+        }
+    };
+    match i % 5 {
+        0 => ray.within(0.25, 0.75),
+        1 => ray.within(f32::NEG_INFINITY, f32::INFINITY),
+        _ => ray,
+    }
+}

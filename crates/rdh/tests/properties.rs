@@ -1,0 +1,180 @@
+//! The properties that every structure and heuristic must have, run on each by listing them once.
+
+mod common;
+
+use common::meshes::{Random, closed, nasty};
+use common::rays::{AIMS, Aim, aimed, mixed};
+use common::{SPECS, build_spec};
+use rdh::simd::Level;
+use rdh::{Counts, Hit, Mesh, Ray, naive};
+
+/// All meshes of the tests.
+fn meshes() -> Vec<(&'static str, Mesh)> {
+    nasty().into_iter().chain(closed().into_iter().map(|(name, mesh, _)| (name, mesh))).collect()
+}
+
+fn bits(hit: Option<Hit>) -> Option<(u32, u32, u32, u32)> {
+    hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.tri.0))
+}
+
+#[test]
+fn every_structure_agrees_with_brute_force_bit_for_bit() {
+    for (name, mesh) in meshes() {
+        let rays = mixed(&mesh, 240, 11);
+        let expected: Vec<_> = rays.iter().map(|r| bits(naive::closest(&mesh, r))).collect();
+        for spec in SPECS {
+            let accel = build_spec(&mesh, spec);
+            for level in Level::available() {
+                let accel = accel.clone().with_level(level);
+                for (ray, expected) in rays.iter().zip(&expected) {
+                    let at = || format!("{name}, {spec}, {}, {ray:?}", level.name());
+                    assert_eq!(bits(accel.closest(ray)), *expected, "{}", at());
+                    assert_eq!(accel.occluded(ray), expected.is_some(), "{}", at());
+                    let mut counts = Counts::default();
+                    assert_eq!(bits(accel.closest_counted(ray, &mut counts)), *expected, "{}", at());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn all_hits_agree_with_brute_force() {
+    for (name, mesh) in meshes() {
+        let rays = mixed(&mesh, 120, 13);
+        let expected: Vec<_> = rays.iter().map(|r| naive::all_hits(&mesh, r)).collect();
+        for spec in SPECS {
+            let accel = build_spec(&mesh, spec);
+            let mut hits = Vec::new();
+            for (ray, expected) in rays.iter().zip(&expected) {
+                accel.all_hits(ray, &mut hits);
+                assert_eq!(&hits, expected, "{name}, {spec}, {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_structure_is_well_formed() {
+    for (name, mesh) in meshes() {
+        for spec in SPECS {
+            let faults = build_spec(&mesh, spec).check(&mesh);
+            assert!(faults.is_empty(), "{name}, {spec}: {:?}", faults.first());
+        }
+    }
+}
+
+/// Over a million rays from inside closed meshes, at edges, at vertices and along axes: none escapes.
+#[test]
+fn no_ray_escapes_from_a_closed_mesh() {
+    const RAYS: usize = 12_000;
+    let mut cast = 0;
+    for (name, mesh, inside) in closed() {
+        for spec in ["kd+sah", "kd(leaf=1,split=exact)+sah", "kd+rdh"] {
+            let accel = build_spec(&mesh, spec);
+            for aim in AIMS {
+                let mut random = Random::new(17);
+                for _ in 0..RAYS {
+                    let ray = aimed(&mesh, inside, aim, &mut random);
+                    assert!(accel.closest(&ray).is_some(), "{name}, {spec}, {aim:?}: missed by {ray:?}");
+                    assert!(accel.occluded(&ray), "{name}, {spec}, {aim:?}: not occluded: {ray:?}");
+                    cast += 1;
+                }
+            }
+        }
+    }
+    assert!(cast > 1_000_000, "only {cast} rays");
+}
+
+#[test]
+fn a_line_crosses_a_closed_mesh_an_even_number_of_times() {
+    for (name, mesh, inside) in closed() {
+        let accel = build_spec(&mesh, "kd+sah");
+        let mut random = Random::new(19);
+        let mut hits = Vec::new();
+        for aim in AIMS {
+            for _ in 0..3000 {
+                let ray = aimed(&mesh, inside, aim, &mut random).within(f32::NEG_INFINITY, f32::INFINITY);
+                accel.all_hits(&ray, &mut hits);
+                assert!(hits.len().is_multiple_of(2), "{name}, {aim:?}: {} by {ray:?}", hits.len());
+                // A line along an axis may only touch the mesh, and then crosses it nowhere.
+                assert!(!hits.is_empty() || aim == Aim::Axis, "{name}, {aim:?}: none by {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn invalid_rays_hit_nothing() {
+    let mesh = common::meshes::icosphere(2);
+    let good = Ray::new([0.0; 3], [1.0, 0.0, 0.0]);
+    for spec in SPECS {
+        let accel = build_spec(&mesh, spec);
+        assert!(accel.closest(&good).is_some());
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for axis in 0..3 {
+                let (mut from, mut along) = (good, good);
+                from.origin[axis] = bad;
+                along.direction[axis] = bad;
+                assert_eq!((accel.closest(&from), accel.closest(&along)), (None, None));
+            }
+        }
+        for ray in [
+            Ray { direction: [0.0, -0.0, 0.0], ..good },
+            good.within(2.0, 1.0),
+            good.within(f32::NAN, 1.0),
+            good.within(0.0, f32::NAN),
+        ] {
+            assert_eq!(accel.closest(&ray), None);
+            assert!(!accel.occluded(&ray));
+        }
+    }
+}
+
+#[test]
+fn both_ends_of_the_interval_count() {
+    let mesh = common::meshes::soup(200, 0.3, 21);
+    let accel = build_spec(&mesh, "kd+sah");
+    for ray in mixed(&mesh, 300, 23) {
+        let Some(hit) = accel.closest(&ray) else { continue };
+        assert_eq!(accel.closest(&ray.within(hit.t, hit.t)), Some(hit));
+        assert_ne!(accel.closest(&ray.within(hit.t.next_up(), f32::INFINITY)), Some(hit));
+    }
+}
+
+#[test]
+fn masks_hide_triangles() {
+    let plain = common::meshes::soup(400, 0.3, 25);
+    let masks: Vec<u32> = (0..plain.len() as u32).map(|i| 1 << (i % 3)).collect();
+    let mesh = plain.with_masks(masks).expect("one mask a triangle");
+    for spec in SPECS {
+        let accel = build_spec(&mesh, spec);
+        for ray in mixed(&mesh, 200, 27) {
+            for mask in [0, 1, 2, 5, 7] {
+                let ray = ray.masked(mask);
+                assert_eq!(bits(accel.closest(&ray)), bits(naive::closest(&mesh, &ray)), "{spec}, mask {mask}");
+                let mut hits = Vec::new();
+                accel.all_hits(&ray, &mut hits);
+                assert_eq!(hits, naive::all_hits(&mesh, &ray));
+            }
+        }
+    }
+}
+
+/// Scaling mesh and rays by a power of two is exact: the same triangles, the scaled distances.
+#[test]
+fn a_power_of_two_changes_nothing_but_distances() {
+    let mesh = common::meshes::icosphere(3);
+    let rays = mixed(&mesh, 300, 29);
+    let base: Vec<_> = rays.iter().map(|r| build_spec(&mesh, "kd+sah").closest(r)).take(60).collect();
+    for exponent in [-60, -20, -1, 1, 20, 60] {
+        let factor = (exponent as f32).exp2();
+        let accel = build_spec(&common::meshes::moved(&mesh, |p| p.map(|x| x * factor)), "kd+sah");
+        for (ray, base) in rays.iter().zip(&base) {
+            let scaled =
+                Ray { origin: ray.origin.map(|x| x * factor), ..*ray }.within(ray.t_min * factor, ray.t_max * factor);
+            let hit = accel.closest(&scaled);
+            assert_eq!(hit.map(|h| (h.tri, h.t / factor)), base.map(|h| (h.tri, h.t)));
+        }
+    }
+}
