@@ -21,7 +21,7 @@ pub mod stats;
 pub mod summary;
 
 pub use error::{Error, Result};
-pub use integrate::{Lens, Mode, RayBatch, Stage};
+pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};
 pub use plan::{Case, Plan, Protocol, Target};
 pub use rows::{Document, Failure, Mismatch, Row, Summary, Verdict};
 pub use run::{Event, run, run_loading};

@@ -200,7 +200,7 @@ impl Target {
     ///
     /// # Errors
     /// An unknown name, with the known ones.
-    pub(crate) fn resolve(&self, own: &[View], overview: impl FnOnce() -> View) -> Result<Vec<View>, String> {
+    pub fn resolve(&self, own: &[View], overview: impl FnOnce() -> View) -> Result<Vec<View>, String> {
         let mut known = if self.entry.views.is_empty() { own.to_vec() } else { self.entry.views.clone() };
         if known.is_empty() {
             known.push(overview());

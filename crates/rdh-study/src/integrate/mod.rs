@@ -5,6 +5,7 @@
 
 mod ao;
 mod caster;
+mod cost;
 mod film;
 mod lens;
 mod lidar;
@@ -19,6 +20,7 @@ mod stream;
 mod vector;
 mod whitted;
 
+pub use cost::path_counts;
 pub use lens::Lens;
 pub use lidar::{LIDAR_AZIMUTHS, LIDAR_BEAMS, LIDAR_FIELD_DEGREES};
 pub use mode::Mode;
