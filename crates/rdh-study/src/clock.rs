@@ -68,7 +68,7 @@ mod tests {
     fn a_sleeping_thread_uses_no_time_and_a_busy_one_does() {
         let ((), asleep) = time_thread(|| std::thread::sleep(std::time::Duration::from_millis(30)));
         assert!(asleep < 0.02, "{asleep}");
-        let (sum, busy) = time_thread(|| (0..3_000_000u64).fold(0, |s, x| std::hint::black_box(s ^ x * x)));
+        let (sum, busy) = time_thread(|| (0..3_000_000u64).fold(0, |s, x| std::hint::black_box(s ^ (x * x))));
         assert!(busy > 0.0 && sum != 1);
         let (_, elsewhere) = time_process(|| {
             std::thread::spawn(|| (0..3_000_000u64).fold(0, |s, x| std::hint::black_box(s ^ x))).join()

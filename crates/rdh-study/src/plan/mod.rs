@@ -1,14 +1,15 @@
 //! What is to be run, as plain data.
 
-use std::fmt;
-use std::str::FromStr;
+mod protocol;
+mod target;
 
 use rdh::{HeuristicSpec, RdhSpec, Spec};
-use rdh_scene::{Entry, View};
-use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 use crate::integrate::Mode;
+
+pub use protocol::Protocol;
+pub use target::Target;
 
 /// A study: targets × modes × specs. Everything that decides its counts is in here.
 #[derive(Debug, Clone)]
@@ -37,30 +38,6 @@ pub struct Plan {
     pub small_triangles: usize,
     /// Threads that make and count rays; `None` is rayon's current pool. What is timed always runs on one.
     pub threads: Option<usize>,
-}
-
-/// A scene and the views that are wanted of it.
-#[derive(Debug, Clone)]
-pub struct Target {
-    /// The scene.
-    pub entry: Entry,
-    /// Names of the wanted views; empty for all.
-    pub views: Vec<String>,
-    /// The frames; usually only 0, the scene at rest.
-    pub frames: Vec<u32>,
-}
-
-/// How the training rays are chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Protocol {
-    /// From other film positions and another seed than the test rays. Recommended: no ray is both learnt and counted.
-    #[default]
-    Unseen,
-    /// A subset of the frame's own pixels; the whole frame counts. The paper's.
-    Paper,
-    /// All test rays: the bound of what any sample could give.
-    Same,
 }
 
 /// One unit of work: a view of a scene in a mode.
@@ -170,72 +147,4 @@ impl Plan {
 
     /// More rays than this would not fit into memory together with the trees.
     pub const MAX_PIXELS: usize = 1 << 26;
-}
-
-impl Target {
-    /// A scene at rest, with all its views.
-    pub fn all(entry: Entry) -> Self {
-        Self { entry, views: Vec::new(), frames: vec![0] }
-    }
-
-    /// A scene at rest, with one of its views.
-    pub fn view(entry: Entry, view: impl Into<String>) -> Self {
-        Self { entry, views: vec![view.into()], frames: vec![0] }
-    }
-
-    /// How many views it will have, as far as is known before it is loaded.
-    pub(crate) fn views_expected(&self) -> usize {
-        self.view_names().len()
-    }
-
-    fn view_names(&self) -> Vec<String> {
-        if self.views.is_empty() {
-            self.entry.views.iter().map(|v| v.name.clone()).collect()
-        } else {
-            self.views.clone()
-        }
-    }
-
-    /// The wanted views, once the scene is loaded: those of the catalogue, else the scene's own, else one from outside.
-    ///
-    /// # Errors
-    /// An unknown name, with the known ones.
-    pub fn resolve(&self, own: &[View], overview: impl FnOnce() -> View) -> Result<Vec<View>, String> {
-        let mut known = if self.entry.views.is_empty() { own.to_vec() } else { self.entry.views.clone() };
-        if known.is_empty() {
-            known.push(overview());
-        }
-        if self.views.is_empty() {
-            return Ok(known);
-        }
-        let find = |name: &String| {
-            let names = || known.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
-            let found = known.iter().find(|v| v.name == *name).cloned();
-            found.ok_or_else(|| format!("unknown view '{name}'; known: {}", names()))
-        };
-        self.views.iter().map(find).collect()
-    }
-}
-
-impl FromStr for Protocol {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "unseen" | "default" => Ok(Self::Unseen),
-            "paper" => Ok(Self::Paper),
-            "same" => Ok(Self::Same),
-            _ => Err(Error::UnknownName { what: "protocol", name: name.to_owned(), known: "unseen, paper, same" }),
-        }
-    }
-}
-
-impl fmt::Display for Protocol {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Unseen => "unseen",
-            Self::Paper => "paper",
-            Self::Same => "same",
-        })
-    }
 }
