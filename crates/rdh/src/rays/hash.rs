@@ -49,12 +49,13 @@ impl RayHash {
 /// The bits of a ray without its mask, two numbers in a word, the first one in the lower half: `ox|oy oz|dx dy|dz t_min|t_max`.
 #[inline(always)]
 pub(super) fn words(ray: &Ray) -> [u64; 4] {
-    let bytes: &[u8; 36] = bytemuck::cast_ref(ray);
+    let (chunks, _mask) = bytemuck::bytes_of(ray).as_chunks();
     // One load each; the compiler does not find that by itself when it is given pairs of numbers.
-    [0, 8, 16, 24].map(|at| {
-        let word = u64::from_ne_bytes(std::array::from_fn(|i| bytes[at + i]));
+    let word = |i: usize| {
+        let word = u64::from_ne_bytes(chunks[i]);
         if cfg!(target_endian = "big") { word.rotate_left(32) } else { word }
-    })
+    };
+    [word(0), word(1), word(2), word(3)]
 }
 
 /// The 128-bit product of two words, its halves combined: each bit of the result depends on all bits of both.

@@ -34,17 +34,18 @@ impl Default for Profile {
 }
 
 impl Profile {
-    /// A profile of rays that come from elsewhere. Equal rays become one sample with their weights added; invalid rays
-    /// are counted, but not kept; a weight of 0 stands for no ray.
+    /// A profile of rays that come from elsewhere, as if a recorder without a limit had seen each as often as its weight
+    /// says: equal rays become one sample, invalid ones are counted, but not kept.
     pub fn from_samples(samples: Vec<RaySample>, seed: u64) -> Self {
         let hash = RayHash::new(seed, Purpose::Sample);
         let mut tally = Tally::default();
         for s in &samples {
             tally.seen[s.class as usize] += u64::from(s.weight);
-            tally.invalid[s.class as usize] += if s.fault().is_some() { u64::from(s.weight) } else { 0 };
+            tally.invalid[s.class as usize] += if s.ray.is_valid() { 0 } else { u64::from(s.weight) };
         }
+        let sound = samples.into_iter().filter(|s| s.weight > 0 && s.ray.is_valid());
         let mut bottom = BottomK::new(usize::MAX, u64::MAX);
-        bottom.offer(samples.into_iter().filter(|s| s.weight > 0 && s.fault().is_none()).map(|s| keyed(&hash, s)));
+        bottom.offer(sound.map(|s| keyed(&hash, RaySample { t_hit: s.t_hit.filter(|t| t.is_finite()), ..s })));
         Self::from_bottom(bottom, tally, seed, usize::MAX)
     }
 

@@ -75,16 +75,16 @@ impl Recorder {
         self
     }
 
-    /// Records a ray and where it ended. Rays that [can't hit anything](Ray::is_valid), or whose hit is not at a finite
-    /// distance, are counted as invalid and not kept.
-    #[inline]
+    /// Records a ray and where it ended. Rays that [can't hit anything](Ray::is_valid) are counted as invalid and not kept.
+    /// A hit that is not at a finite distance counts as none.
+    #[inline(always)]
     pub fn record(&self, ray: &Ray, hit: Option<Hit>, query: Query, class: RayClass) {
         let t_hit = hit.map(|h| h.t);
         let Some(slot) = self.owned.get(slots::current()) else { return self.record_shared(ray, t_hit, query, class) };
         // Only this thread writes here. An atomic addition would cost more than all the rest.
         let seen = &slot.seen[class as usize];
         seen.store(seen.load(Relaxed) + 1, Relaxed);
-        if self.stands_out(ray, t_hit, query, class) {
+        if self.stands_out(ray, query, class) {
             self.keep(slot, ray, t_hit, query, class);
         }
     }
@@ -105,8 +105,8 @@ impl Recorder {
 
     /// Whether a ray is in the sample, as far as is known now, or invalid.
     #[inline(always)]
-    fn stands_out(&self, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) -> bool {
-        (self.hash.of_sample(ray, query, class) < self.limit.load(Relaxed)) | !is_sound(ray, t_hit)
+    fn stands_out(&self, ray: &Ray, query: Query, class: RayClass) -> bool {
+        (self.hash.of_sample(ray, query, class) < self.limit.load(Relaxed)) | !is_sound(ray)
     }
 
     #[cold]
@@ -115,7 +115,7 @@ impl Recorder {
         slots::lease();
         let slot = self.owned.get(slots::current()).unwrap_or(&self.shared);
         slot.seen[class as usize].fetch_add(1, Relaxed);
-        if self.stands_out(ray, t_hit, query, class) {
+        if self.stands_out(ray, query, class) {
             self.keep(slot, ray, t_hit, query, class);
         }
     }
@@ -123,10 +123,11 @@ impl Recorder {
     #[cold]
     #[inline(never)]
     fn keep(&self, slot: &Slot, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) {
-        if !is_sound(ray, t_hit) {
+        if !is_sound(ray) {
             slot.invalid[class as usize].fetch_add(1, Relaxed);
             return;
         }
+        let t_hit = t_hit.filter(|t| t.is_finite());
         let sample = RaySample { ray: *ray, t_hit, query, class, weight: 1 };
         let mut fresh = slot.fresh.lock().unwrap_or_else(PoisonError::into_inner);
         fresh.push(Keyed { hash: self.hash.of_sample(ray, query, class), sample });
@@ -142,17 +143,15 @@ impl Recorder {
     }
 }
 
-/// Whether a ray that ended there can be used: the same as [`Ray::is_valid`] and a finite hit, but on two words at a time and
-/// without a branch for each, since every ray passes here.
+/// The same as [`Ray::is_valid`], but on two numbers at a time and with few branches, since every ray passes here.
 #[inline(always)]
-fn is_sound(ray: &Ray, t_hit: Option<f32>) -> bool {
+fn is_sound(ray: &Ray) -> bool {
     const EXPONENTS: u64 = 0x7f80_0000_7f80_0000;
     const ALL_BUT_SIGNS: u64 = 0x7fff_ffff_7fff_ffff;
     let w = words(ray);
     // An exponent of all ones, and no other, overflows into the bit of the sign.
     let overflows = |word: u64| (word & EXPONENTS) + 0x0080_0000_0080_0000;
-    let end = u64::from(t_hit.map_or(0, f32::to_bits));
-    let finite = (overflows(w[0]) | overflows(w[1]) | overflows(w[2]) | overflows(end)) & !ALL_BUT_SIGNS == 0;
+    let finite = (overflows(w[0]) | overflows(w[1]) | overflows(w[2])) & !ALL_BUT_SIGNS == 0;
     let moves = (w[1] >> 32 | w[2]) & ALL_BUT_SIGNS != 0;
     finite & moves & (ray.t_min <= ray.t_max)
 }
@@ -172,8 +171,7 @@ mod tests {
                         let mut numbers = [rest; 8];
                         (numbers[place], numbers[other]) = (a, b);
                         let ray = Ray::from(numbers);
-                        assert_eq!(is_sound(&ray, None), ray.is_valid(), "{ray:?}");
-                        assert_eq!(is_sound(&ray, Some(a)), ray.is_valid() && a.is_finite(), "{ray:?} {a}");
+                        assert_eq!(is_sound(&ray), ray.is_valid(), "{ray:?}");
                     }
                 }
             }
