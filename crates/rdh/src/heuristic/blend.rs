@@ -1,6 +1,6 @@
 //! Mixing ray counts with areas, "to avoid degeneracies" (Bittner and Havran 2009).
 
-use super::{Blend, SplitProbability};
+use super::Blend;
 
 impl Blend {
     /// The part of the ray counts for `n` rays in the node; the areas have the rest. 0 without rays, always below 1.
@@ -11,12 +11,6 @@ impl Blend {
             Self::Paper { weight } => weight * (1.0 - 1.0 / (1.0 + 0.1 * n)),
         }
     }
-}
-
-/// `weight · rays + (1 − weight) · areas`.
-pub(super) fn mix(weight: f32, rays: SplitProbability, areas: SplitProbability) -> SplitProbability {
-    let mix = |r: f32, a: f32| weight * r + (1.0 - weight) * a;
-    SplitProbability { left: mix(rays.left, areas.left), right: mix(rays.right, areas.right) }
 }
 
 #[cfg(test)]

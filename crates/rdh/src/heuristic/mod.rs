@@ -65,8 +65,9 @@ pub trait Heuristic: Sync {
     /// Those of a node's rays that meet one of its children.
     fn descend(&self, rays: &NodeRays, child: &Aabb) -> NodeRays;
 
-    /// The chances for each of the ascending `planes` across `axis` of a node; `out` is as long as `planes`.
-    fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], out: &mut [SplitProbability]);
+    /// p_L and p_R of equation 1 for each of the `planes` across `axis` of a node, which come in any order, and twice where
+    /// that suits the caller. All three slices have one length.
+    fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]);
 }
 
 /// The heuristic that a spec names, trained on some rays. `scale` is the factor of the structure's space.

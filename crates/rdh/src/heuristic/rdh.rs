@@ -7,8 +7,7 @@
 //! the plane counts on both sides. Both are blended with the areas' chances by the number of rays in the node, so that a
 //! node without rays is split as SAH would.
 
-use super::blend::mix;
-use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span, SplitProbability};
+use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span};
 use crate::geom::{Aabb, Axis, Vec3};
 use crate::rays::Training;
 
@@ -75,39 +74,31 @@ impl Rdh {
         (t_in <= t_out + t_out.abs() * 3e-7).then_some(Span { t_in, t_out: t_out.max(t_in), ..span })
     }
 
-    /// Weights of the counted rays on each side of every plane, and their total. O(R log P + P).
-    fn count(&self, spans: &[Span], axis: Axis, planes: &[f32], out: &mut [SplitProbability]) -> f32 {
+    /// Weights of the rays on each side of ascending planes, with their ends on both. O(R log P + P).
+    fn count(&self, spans: &[Span], axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {
         let a = axis.index();
-        out.fill(SplitProbability::default());
-        let mut total = 0.0;
+        left.fill(0.0);
+        right.fill(0.0);
         let mut right_of_all = 0.0;
         for span in spans {
             let line = &self.lines[span.ray as usize];
-            let (x0, x1) =
-                (line.origin[a] + span.t_in * line.direction[a], line.origin[a] + span.t_out * line.direction[a]);
-            let (low, high) = (x0.min(x1), x0.max(x1));
+            let at = |t: f32| line.origin[a] + t * line.direction[a];
+            let (x0, x1) = (at(span.t_in), at(span.t_out));
             // Left of the planes from `first_left` on, right of those before `first_missed`.
-            let first_left = planes.partition_point(|&p| p < low);
-            let first_missed = planes.partition_point(|&p| p <= high);
-            if let Some(p) = out.get_mut(first_left) {
-                p.left += line.weight;
+            let first_left = planes.partition_point(|&p| p < x0.min(x1));
+            let first_missed = planes.partition_point(|&p| p <= x0.max(x1));
+            if let Some(left) = left.get_mut(first_left) {
+                *left += line.weight;
             }
-            match out.get_mut(first_missed) {
-                Some(p) => p.right += line.weight,
-                None => right_of_all += line.weight,
-            }
-            total += line.weight;
+            *right.get_mut(first_missed).unwrap_or(&mut right_of_all) += line.weight;
         }
-        let mut left = 0.0;
-        for p in out.iter_mut() {
-            left += p.left;
-            p.left = left;
+        for i in 1..left.len() {
+            left[i] += left[i - 1];
         }
-        let mut right = right_of_all;
-        for p in out.iter_mut().rev() {
-            right += std::mem::replace(&mut p.right, right);
+        let mut sum = right_of_all;
+        for right in right.iter_mut().rev() {
+            sum += std::mem::replace(right, sum);
         }
-        total
     }
 }
 
@@ -122,21 +113,24 @@ impl Heuristic for Rdh {
         NodeRays { spans: rays.spans.iter().filter_map(|&s| self.clip(s, child)).collect() }
     }
 
-    fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], out: &mut [SplitProbability]) {
+    fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {
+        Sah.sweep(rays, node, axis, planes, left, right);
         let spans = self.counted(rays);
-        let total = self.count(spans, axis, planes, out);
+        let total: f32 = spans.iter().map(|s| self.lines[s.ray as usize].weight).sum();
         let weight = self.blend.weight(total);
-        let mut areas = [SplitProbability::default(); 64];
-        for (planes, out) in planes.chunks(64).zip(out.chunks_mut(64)) {
-            Sah.sweep(rays, node, axis, planes, &mut areas[..planes.len()]);
-            for (p, &area) in out.iter_mut().zip(&areas) {
-                // No rays, or none that count: the areas alone, bit for bit.
-                *p = if weight > 0.0 {
-                    mix(weight, SplitProbability { left: p.left / total, right: p.right / total }, area)
-                } else {
-                    area
-                };
-            }
+        // No rays, or none that count: the areas alone, bit for bit.
+        if weight == 0.0 {
+            return;
+        }
+        let mut order: Vec<u32> = (0..planes.len() as u32).collect();
+        order.sort_by(|&i, &j| planes[i as usize].total_cmp(&planes[j as usize]));
+        let ascending: Vec<f32> = order.iter().map(|&i| planes[i as usize]).collect();
+        let (mut counts_left, mut counts_right) = (vec![0.0; planes.len()], vec![0.0; planes.len()]);
+        self.count(spans, axis, &ascending, &mut counts_left, &mut counts_right);
+        let mix = |count: f32, area: &mut f32| *area = weight * (count / total) + (1.0 - weight) * *area;
+        for (k, &i) in order.iter().enumerate() {
+            mix(counts_left[k], &mut left[i as usize]);
+            mix(counts_right[k], &mut right[i as usize]);
         }
     }
 }

@@ -306,7 +306,7 @@ fn count_sides(refs: &[Reference], split: &Split) -> usize {
 
 /// The chances by areas, whatever heuristic chose the split.
 fn area_chance(cell: &Aabb, split: &Split) -> SplitProbability {
-    let mut out = [SplitProbability::default()];
-    Sah.sweep(&NodeRays::default(), cell, split.axis, &[split.plane], &mut out);
-    out[0]
+    let (mut left, mut right) = ([0.0], [0.0]);
+    Sah.sweep(&NodeRays::default(), cell, split.axis, &[split.plane], &mut left, &mut right);
+    SplitProbability { left: left[0], right: right[0] }
 }

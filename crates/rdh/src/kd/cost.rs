@@ -34,6 +34,15 @@ impl Costs {
         }
     }
 
+    /// Whether a leaf of `n` triangles takes a single test.
+    #[inline(always)]
+    pub fn is_one_test(&self, n: usize) -> bool {
+        match self.leaf {
+            LeafWidth::One => n <= 1,
+            LeafWidth::Eight => n <= 8,
+        }
+    }
+
     /// What a child of `n` triangles is expected to cost while splits are compared. Steps of eight would hide most
     /// differences, so half of the cost is linear.
     #[inline(always)]

@@ -1,11 +1,12 @@
 //! The search for a node's best split: every candidate plane of an axis in one sweep.
 
 use super::cost::Costs;
-use super::events::Events;
+use super::events::{Candidates, Events, FEW};
 use super::reference::Reference;
 use super::spec::SplitSearch;
 use crate::geom::{Aabb, Axis};
 use crate::heuristic::{Heuristic, NodeRays, SplitProbability};
+use crate::simd::{Job, Kernels, Level};
 
 /// A split, and what it is expected to cost.
 #[derive(Debug, Clone, Copy)]
@@ -24,59 +25,116 @@ pub(crate) struct Search<'a> {
     heuristic: &'a dyn Heuristic,
     costs: Costs,
     search: SplitSearch,
+    level: Level,
     events: Events,
-    chances: Vec<SplitProbability>,
+    left: Vec<f32>,
+    right: Vec<f32>,
+}
+
+/// How a node's candidates are found.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum How {
+    /// One test finishes the leaf: nothing but cutting off empty space can pay.
+    Tight,
+    /// Counted against each other.
+    Few,
+    /// At bins' borders.
+    Binned,
+    /// Sorted.
+    Sorted,
 }
 
 impl<'a> Search<'a> {
-    /// Nodes with more references are binned, if the spec allows it.
-    const BINNED_ABOVE: usize = 64;
-
     pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch) -> Self {
-        Self { heuristic, costs, search, events: Events::default(), chances: Vec::new() }
+        let level = Level::best();
+        Self { heuristic, costs, search, level, events: Events::new(level), left: Vec::new(), right: Vec::new() }
     }
 
-    /// The cheapest split of a node, if there is any plane that separates something. Equal costs: the first axis, the
-    /// lowest plane. `tight` is the box of all references.
+    fn how(&self, n: usize) -> How {
+        match self.search {
+            _ if self.costs.is_one_test(n) => How::Tight,
+            _ if n <= FEW => How::Few,
+            SplitSearch::Binned => How::Binned,
+            SplitSearch::Exact => How::Sorted,
+        }
+    }
+
+    /// The cheapest split of a node, if there is any plane that separates something. Equal costs: the first axis, then
+    /// the first candidate. `tight` is the box of all references.
     pub(crate) fn best(&mut self, refs: &[Reference], cell: &Aabb, tight: &Aabb, rays: &NodeRays) -> Option<Split> {
-        let binned = self.search == SplitSearch::Binned && refs.len() > Self::BINNED_ABOVE;
-        if binned {
-            self.events.bin(refs, tight);
+        let n = refs.len();
+        let how = self.how(n);
+        match how {
+            How::Few => self.events.take_few(refs),
+            How::Binned => self.events.take_bins(refs, tight),
+            How::Tight | How::Sorted => {}
         }
         let mut best: Option<Split> = None;
         for axis in Axis::ALL {
-            if binned {
-                self.events.sweep_bins(axis, cell, tight, refs.len());
-            } else {
-                self.events.sweep_bounds(refs, axis, cell);
+            match how {
+                How::Tight => self.events.sweep_tight(axis, cell, tight, n),
+                How::Few => self.events.sweep_few(axis, cell, n),
+                How::Binned => self.events.sweep_bins(axis, cell, tight, n),
+                How::Sorted => self.events.sweep_sorted(refs, axis, cell),
             }
-            self.evaluate(axis, cell, rays, refs.len() as u32, &mut best);
+            self.evaluate(axis, cell, rays, n as u32, &mut best);
         }
         best
     }
 
     fn evaluate(&mut self, axis: Axis, cell: &Aabb, rays: &NodeRays, n: u32, best: &mut Option<Split>) {
-        let planes = &self.events.planes;
-        self.chances.clear();
-        self.chances.resize(planes.len(), SplitProbability::default());
-        self.heuristic.sweep(rays, cell, axis, planes, &mut self.chances);
-        let mut least = best.map_or(f32::INFINITY, |b| b.cost);
-        for (i, (&plane, &chance)) in planes.iter().zip(&self.chances).enumerate() {
-            let sides = self.events.sides[i];
-            let mut consider = |left: u32, right: u32, flat_left: bool| {
-                if left >= n && right >= n {
-                    return;
+        let candidates = &self.events.candidates;
+        let planes = &candidates.planes;
+        self.left.resize(planes.len(), 0.0);
+        self.right.resize(planes.len(), 0.0);
+        self.heuristic.sweep(rays, cell, axis, planes, &mut self.left, &mut self.right);
+        let chances = (&self.left[..], &self.right[..]);
+        let Some((i, cost)) = self.level.run(Cheapest { costs: &self.costs, candidates, chances, n }) else { return };
+        if best.is_none_or(|b| cost < b.cost) {
+            let flats_right_from = candidates.flats_right_from;
+            *best = Some(Split {
+                axis,
+                plane: planes[i],
+                flat_left: i < flats_right_from,
+                cost,
+                chance: SplitProbability { left: self.left[i], right: self.right[i] },
+            });
+        }
+    }
+}
+
+/// Finds the first of the cheapest candidates that separate anything.
+struct Cheapest<'a> {
+    costs: &'a Costs,
+    candidates: &'a Candidates,
+    chances: (&'a [f32], &'a [f32]),
+    n: u32,
+}
+
+impl Job for Cheapest<'_> {
+    type Output = Option<(usize, f32)>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<(usize, f32)> {
+        let m = self.candidates.planes.len();
+        let (left, right) = (&self.candidates.left[..m], &self.candidates.right[..m]);
+        let (chance_left, chance_right) = (&self.chances.0[..m], &self.chances.1[..m]);
+        let mut best = (0, f32::INFINITY);
+        let mut block = [0.0f32; 32];
+        for start in (0..m).step_by(block.len()) {
+            let end = m.min(start + block.len());
+            // Costs first, in lanes; the comparison is a loop of its own.
+            for (slot, i) in block.iter_mut().zip(start..end) {
+                let chance = SplitProbability { left: chance_left[i], right: chance_right[i] };
+                let useless = left[i] >= self.n && right[i] >= self.n;
+                *slot = if useless { f32::INFINITY } else { self.costs.split(chance, left[i], right[i]) };
+            }
+            for (k, &cost) in block[..end - start].iter().enumerate() {
+                if cost < best.1 {
+                    best = (start + k, cost);
                 }
-                let cost = self.costs.split(chance, left, right);
-                if cost < least {
-                    least = cost;
-                    *best = Some(Split { axis, plane, flat_left, cost, chance });
-                }
-            };
-            consider(sides.below + sides.flat, sides.above, true);
-            if sides.flat > 0 {
-                consider(sides.below, sides.above + sides.flat, false);
             }
         }
+        (best.1 < f32::INFINITY).then_some(best)
     }
 }

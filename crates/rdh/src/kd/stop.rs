@@ -44,8 +44,8 @@ impl StopRule {
             Stop::Paper => split < 0.75 * leaf,
         };
         let failures = failures + u32::from(!pays);
-        // A split that is hopelessly worse is not worth a look-ahead in a small node.
-        let hopeless = self.stop == Stop::Auto && split > 4.0 * leaf && n <= 16;
+        // Looking ahead is for nodes in which more than one split is left to come.
+        let hopeless = self.stop == Stop::Auto && !pays && costs.is_one_test(n);
         (failures <= self.max_failures && !hopeless).then_some(failures)
     }
 }

@@ -66,17 +66,41 @@ impl Kernels for Avx2 {
 
     #[inline(always)]
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]) {
-        for (planes, counts) in planes.chunks_exact(8).zip(counts.chunks_exact_mut(8)) {
-            // SAFETY: see above; both chunks have eight elements.
-            unsafe {
-                let planes = _mm256_loadu_ps(planes.as_ptr());
-                let mut sum = _mm256_setzero_si256();
-                for &value in values {
-                    let below = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_set1_ps(value), planes);
-                    sum = _mm256_sub_epi32(sum, _mm256_castps_si256(below));
-                }
-                _mm256_storeu_si256(counts.as_mut_ptr().cast(), sum);
+        count::<_CMP_LT_OQ>(values, planes, counts);
+    }
+
+    #[inline(always)]
+    fn count_up_to(values: &[f32], planes: &[f32], counts: &mut [u32]) {
+        count::<_CMP_LE_OQ>(values, planes, counts);
+    }
+
+    #[inline(always)]
+    fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
+        let mut out = [0; 8];
+        // SAFETY: see above; all arrays have eight elements.
+        unsafe {
+            let load = |x: &[f32; 8]| _mm256_loadu_ps(x.as_ptr());
+            let bins = _mm256_mul_ps(_mm256_sub_ps(load(values), load(first)), load(scale));
+            let bins = _mm256_cvttps_epi32(bins);
+            let bins = _mm256_min_epi32(_mm256_max_epi32(bins, _mm256_setzero_si256()), _mm256_set1_epi32(last));
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), bins);
+        }
+        out
+    }
+}
+
+#[inline(always)]
+fn count<const COMPARISON: i32>(values: &[f32], planes: &[f32], counts: &mut [u32]) {
+    for (planes, counts) in planes.chunks_exact(8).zip(counts.chunks_exact_mut(8)) {
+        // SAFETY: as in `Avx2`; both chunks have eight elements.
+        unsafe {
+            let planes = _mm256_loadu_ps(planes.as_ptr());
+            let mut sum = _mm256_setzero_si256();
+            for &value in values {
+                let counted = _mm256_cmp_ps::<COMPARISON>(_mm256_set1_ps(value), planes);
+                sum = _mm256_sub_epi32(sum, _mm256_castps_si256(counted));
             }
+            _mm256_storeu_si256(counts.as_mut_ptr().cast(), sum);
         }
     }
 }

@@ -91,4 +91,10 @@ pub(crate) trait Kernels: Copy {
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);
+
+    /// The same for values at or below the plane.
+    fn count_up_to(values: &[f32], planes: &[f32], counts: &mut [u32]);
+
+    /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
+    fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
 }

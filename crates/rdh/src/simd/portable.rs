@@ -40,11 +40,26 @@ impl Kernels for Portable {
 
     #[inline(always)]
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]) {
-        counts.fill(0);
-        for &value in values {
-            for (count, &plane) in counts.iter_mut().zip(planes) {
-                *count += u32::from(value < plane);
-            }
+        count(values, planes, counts, |value, plane| value < plane);
+    }
+
+    #[inline(always)]
+    fn count_up_to(values: &[f32], planes: &[f32], counts: &mut [u32]) {
+        count(values, planes, counts, |value, plane| value <= plane);
+    }
+
+    #[inline(always)]
+    fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
+        std::array::from_fn(|i| (((values[i] - first[i]) * scale[i]) as i32).clamp(0, last))
+    }
+}
+
+#[inline(always)]
+fn count(values: &[f32], planes: &[f32], counts: &mut [u32], counted: impl Fn(f32, f32) -> bool) {
+    counts.fill(0);
+    for &value in values {
+        for (count, &plane) in counts.iter_mut().zip(planes) {
+            *count += u32::from(counted(value, plane));
         }
     }
 }
