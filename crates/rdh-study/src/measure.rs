@@ -68,7 +68,7 @@ pub fn tally(accel: &Accel, batch: &RayBatch) -> Tally {
     }
     let hits = answers.iter().filter(|a| a.is_hit()).count() as u64;
     // One after the other: a sum of floats depends on its order.
-    let t_sum = answers.iter().filter_map(|a| a.hit()).map(|(t, _)| f64::from(t)).sum();
+    let t_sum = answers.iter().filter_map(|a| a.hit()).fold(0.0, |sum, (t, _)| sum + f64::from(t));
     Tally { counts, hits, t_sum, answers }
 }
 
@@ -121,4 +121,53 @@ fn cast_secs(accel: &Accel, batch: &RayBatch) -> f64 {
         }
     });
     secs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rdh::{BuildOptions, Mesh, RayClass, Spec, Training};
+
+    /// Two triangles at z = 1 and z = 2, or only the first.
+    fn accel(triangles: u32) -> Accel {
+        let corners = |z: f32| [[-1.0, -1.0, z], [3.0, -1.0, z], [-1.0, 3.0, z]];
+        let positions = [corners(1.0), corners(2.0)].concat();
+        let mesh = Mesh::new(positions, (0..triangles).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap();
+        rdh::build(&mesh, &Spec::default(), &Training::none(), &BuildOptions::default()).unwrap()
+    }
+
+    fn batch(query: Query) -> RayBatch {
+        // At the first triangle, from between them at the second, away from both.
+        let starts = [([0.0, 0.0, 0.0], 1.0), ([0.0, 0.0, 1.5], 1.0), ([0.0, 0.0, 0.0], -1.0)];
+        let rays = starts.map(|(origin, dz)| Ray::new(origin, [0.0, 0.0, dz])).to_vec();
+        RayBatch { class: RayClass::Primary, query, rays }
+    }
+
+    #[test]
+    fn a_tally_sums_hits_and_distances() {
+        let closest = tally(&accel(2), &batch(Query::Closest));
+        assert_eq!((closest.hits, closest.t_sum), (2, 1.5));
+        let found: Vec<_> = closest.answers.iter().map(|a| a.hit()).collect();
+        assert_eq!(found, [Some((1.0, 0)), Some((0.5, 1)), None]);
+        assert!(closest.counts.steps() >= 2 && closest.counts.tests >= 2);
+        let any = tally(&accel(2), &batch(Query::Occluded));
+        assert_eq!((any.hits, any.t_sum), (2, 0.0));
+    }
+
+    #[test]
+    fn a_lost_triangle_is_a_difference_and_its_ray_is_named() {
+        for query in [Query::Closest, Query::Occluded] {
+            let [good, bad] = [2, 1].map(|n| tally(&accel(n), &batch(query)));
+            assert_eq!(difference(&good, &good), None);
+            assert_eq!(difference(&bad, &good), Some(Difference { rays: 1, first: 1 }));
+        }
+    }
+
+    #[test]
+    fn every_round_times_every_structure_and_batch() {
+        let (a, b) = (accel(2), accel(1));
+        let secs = time_interleaved(&[&a, &b], &[batch(Query::Closest), batch(Query::Occluded)], 3);
+        assert!(secs.len() == 2 && secs.iter().all(|s| s.len() == 2 && s.iter().all(|rounds| rounds.len() == 3)));
+        assert!(secs.iter().flatten().flatten().all(|&s| (0.0..1.0).contains(&s)));
+    }
 }

@@ -176,6 +176,27 @@ impl Document {
     /// The version this program writes.
     pub const VERSION: u32 = 1;
 
+    /// The document as JSON, in one line.
+    ///
+    /// # Errors
+    /// What serde says.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string(self)
+    }
+
+    /// Reads a document; all numbers are what they were when it was written.
+    ///
+    /// # Errors
+    /// Malformed JSON, missing fields, unknown names: with line and column.
+    pub fn from_json(text: &str) -> serde_json::Result<Self> {
+        let document: Self = serde_json::from_str(text)?;
+        if document.version != Self::VERSION {
+            let (got, known) = (document.version, Self::VERSION);
+            return Err(serde::de::Error::custom(format!("version {got} of the format; only {known} can be read")));
+        }
+        Ok(document)
+    }
+
     /// How the run ended.
     pub fn verdict(&self) -> Verdict {
         if !self.mismatches.is_empty() {

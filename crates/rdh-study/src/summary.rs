@@ -148,3 +148,137 @@ fn is_slower(spec: &Cell, base: &Cell) -> bool {
 fn round_ratios(spec: &Cell, base: &Cell) -> Vec<f64> {
     spec.round_nanos.iter().zip(&base.round_nanos).map(|(&a, &b)| ratio(a, b)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Protocol;
+    use rdh_scene::Kind;
+
+    /// A row of 100 rays with the given nanoseconds a ray in each round; its steps are ten times the first, its tests a tenth.
+    fn row(scene: &str, view: &str, class: RayClass, spec: &str, rounds: &[f64]) -> Row {
+        Row {
+            scene: scene.into(),
+            view: view.into(),
+            frame: 0,
+            kind: Kind::Open,
+            mode: Mode::Whitted,
+            class,
+            spec: spec.parse().unwrap(),
+            triangles: 12,
+            rays: 100,
+            hits: 50,
+            t_sum: 1.0,
+            trained_on: 0,
+            train_view: None,
+            train_frame: None,
+            steps_per_ray: rounds[0] * 10.0,
+            tests_per_ray: if scene == "void" { 0.0 } else { rounds[0] / 10.0 },
+            empty_leaves_per_ray: 0.0,
+            nanos_per_ray: median(rounds),
+            round_nanos_per_ray: rounds.to_vec(),
+            build_secs: 2.0 * rounds[0],
+            rrs_secs: if spec == "kd+sah" { 0.0 } else { rounds[0] },
+            nodes: 1,
+            references: 1,
+            bytes: rounds[0] as usize,
+            depth: 0,
+            protocol: Protocol::Unseen,
+            seed: 1,
+        }
+    }
+
+    fn base() -> Spec {
+        "kd+sah".parse().unwrap()
+    }
+
+    fn near(a: f64, b: f64) -> bool {
+        (a / b - 1.0).abs() < 1e-9
+    }
+
+    #[test]
+    fn ratios_by_hand() {
+        use RayClass::Primary;
+        let rows = [
+            row("a", "1", Primary, "kd+sah", &[100.0, 100.0, 100.0]),
+            row("a", "1", Primary, "kd+rdh", &[50.0, 50.0, 50.0]),
+            row("void", "1", Primary, "kd+sah", &[100.0, 100.0, 100.0]),
+            row("void", "1", Primary, "kd+rdh", &[200.0, 201.0, 202.0]),
+            // Nothing to compare it with.
+            row("c", "1", Primary, "kd+rdh", &[5.0]),
+        ];
+        let [s] = &summarise(&rows, &base())[..] else { panic!("one summary") };
+        assert_eq!((s.n, s.class, s.slower_cases), (2, Some(Primary), 1));
+        assert!(near(s.steps_ratio, 1.0), "√(0.5 · 2)");
+        assert!(near(s.tests_ratio, 0.5f64.sqrt()), "0 tests against 0 count as 1");
+        assert!(near(s.time_ratio, (0.5f64 * 2.01).sqrt()), "medians");
+        assert!(near(s.time_ratio_ci95[0], 0.5) && near(s.time_ratio_ci95[1], 2.01), "two clusters");
+        assert!(near(s.build_ratio, 1.0) && near(s.build_and_rrs_ratio, 1.5) && near(s.bytes_ratio, 1.0));
+    }
+
+    #[test]
+    fn all_classes_together_are_totals_not_means_of_ratios() {
+        use RayClass::{Primary, Shadow};
+        let rows = [
+            row("a", "1", Primary, "kd+sah", &[100.0, 110.0]),
+            row("a", "1", Shadow, "kd+sah", &[300.0, 290.0]),
+            row("a", "1", Primary, "kd+rdh", &[100.0, 100.0]),
+            row("a", "1", Shadow, "kd+rdh", &[100.0, 100.0]),
+        ];
+        let summary = summarise(&rows, &base());
+        let classes: Vec<_> = summary.iter().map(|s| s.class).collect();
+        assert_eq!(classes, [Some(Primary), Some(Shadow), None]);
+        // 200 of 400 in both rounds: the rounds of the whole are steady although the parts' are not.
+        assert!(near(summary[2].time_ratio, 0.5) && near(summary[2].steps_ratio, 0.5));
+        // A single pair has the interval of its rounds.
+        assert!(near(summary[2].time_ratio_ci95[0], 0.5) && near(summary[2].time_ratio_ci95[1], 0.5));
+        assert!(summary[1].time_ratio_ci95[0] < summary[1].time_ratio_ci95[1]);
+    }
+
+    #[test]
+    fn a_case_is_slower_only_if_its_rounds_agree() {
+        let slower = |rounds: &[f64]| {
+            let base_row = row("a", "1", RayClass::Primary, "kd+sah", &vec![100.0; rounds.len()]);
+            let rows = [base_row, row("a", "1", RayClass::Primary, "kd+rdh", rounds)];
+            summarise(&rows, &base())[0].slower_cases
+        };
+        assert_eq!(slower(&[103.0, 103.1, 102.9]), 1);
+        assert_eq!(slower(&[101.0, 130.0, 95.0]), 0);
+        assert_eq!(slower(&[97.0, 97.1, 96.9]), 0);
+        // One round can't say how sure it is; a loss shows all the same.
+        assert_eq!(slower(&[103.0]), 1);
+    }
+
+    #[test]
+    fn equal_structures_make_no_difference() {
+        let rounds = [[100.0, 101.0, 99.5], [55.0, 54.0, 56.0], [70.0, 70.5, 71.0]];
+        let rows: Vec<Row> = (0..3)
+            .flat_map(|i| {
+                let [a, b] = ["kd+sah", "kd+rdh"].map(|s| row(&format!("s{i}"), "1", RayClass::Primary, s, &rounds[i]));
+                [a, b]
+            })
+            .collect();
+        let s = &summarise(&rows, &base())[0];
+        assert_eq!((s.time_ratio, s.time_ratio_ci95, s.slower_cases), (1.0, [1.0, 1.0], 0));
+    }
+
+    #[test]
+    fn views_of_one_scene_are_its_clusters_where_there_is_no_other() {
+        let rows: Vec<Row> = (0..6)
+            .flat_map(|v| {
+                let view = v.to_string();
+                let ours = row("a", &view, RayClass::Primary, "kd+rdh", &[60.0 + f64::from(v) * 8.0; 3]);
+                [row("a", &view, RayClass::Primary, "kd+sah", &[100.0; 3]), ours]
+            })
+            .collect();
+        let s = &summarise(&rows, &base())[0];
+        let [low, high] = s.time_ratio_ci95;
+        assert!(low > 0.6 && low < s.time_ratio && s.time_ratio < high && high < 1.0, "{low} {high}");
+    }
+
+    #[test]
+    fn nothing_to_compare_gives_no_summary() {
+        assert!(summarise(&[], &base()).is_empty());
+        assert!(summarise(&[row("a", "1", RayClass::Primary, "kd+rdh", &[1.0])], &base()).is_empty());
+    }
+}

@@ -160,12 +160,13 @@ impl SurfacePoint {
         Ray::new(narrow(add(self.position, scale(self.normal, side))), direction)
     }
 
-    /// A ray from here that ends at a point.
+    /// A ray from here that ends at a point; nothing if the point lies on the surface.
     pub(crate) fn spawn_to(&self, target: Vec3) -> Option<Ray> {
-        let direction = unit(sub(wide(target), self.position))?;
-        let ray = self.spawn(direction);
-        let distance = length(sub(wide(target), wide(ray.origin)));
-        Some(ray.within(0.0, distance as f32))
+        let origin = self.spawn(unit(sub(wide(target), self.position))?).origin;
+        // Aimed from where it really starts, so that it ends where it should.
+        let way = sub(wide(target), wide(origin));
+        let leaves = dot(way, self.normal) * dot(sub(wide(origin), self.position), self.normal) > 0.0;
+        Some(Ray::new(origin, narrow(unit(way).filter(|_| leaves)?)).within(0.0, length(way) as f32))
     }
 
     /// Whether a point is on the side from which the ray came.
@@ -186,4 +187,75 @@ fn upper_light(bounds: &Aabb, up: V3) -> Vec3 {
 
 fn every_eighth_part(mesh: &Mesh) -> Vec<bool> {
     connected_parts(mesh).into_iter().map(|part| part % 8 == 7).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+    use rdh::{BuildOptions, Spec, Training};
+    use rdh_scene::{Geometry, Instance, Transform};
+
+    /// One triangle, near or far from the origin, of any shape: from equilateral to needles.
+    fn triangle(random: &mut Random) -> [Vec3; 3] {
+        let size = 10f64.powf(8.0 * random.unit() - 4.0);
+        let place = 10f64.powf(8.0 * random.unit() - 4.0);
+        let thin = 10f64.powf(-5.0 * random.unit());
+        let mut point = |by: f64| [random.unit(), random.unit(), random.unit()].map(|x| (2.0 * x - 1.0) * by);
+        let (at, long, short) = (point(place), point(size), point(size * thin));
+        [at, add(at, long), add(at, add(long, short))].map(narrow)
+    }
+
+    fn stage(corners: [Vec3; 3]) -> Stage {
+        let geometry = Geometry { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Geometry::default() };
+        let instance = Instance { geometry: 0, scene_from_object: Transform::IDENTITY };
+        Stage::new(&Scene { geometries: vec![geometry], instances: vec![instance], ..Scene::default() }).unwrap()
+    }
+
+    #[test]
+    fn spawned_rays_never_hit_the_triangle_they_leave() {
+        let (mut met, mut cast) = (0, 0);
+        for index in 0..20_000 {
+            let mut random = Random::new(11, index);
+            let corners = triangle(&mut random);
+            let stage = stage(corners);
+            let accel =
+                rdh::build(stage.mesh(), &Spec::default(), &Training::none(), &BuildOptions::default()).unwrap();
+            // Aimed at a corner, an edge or the inside, from anywhere.
+            let [a, b, c] = corners.map(wide);
+            let (u, v) =
+                [(0.0, 0.0), (random.unit(), 0.0), (0.3 * random.unit(), 0.6 * random.unit())][random.below(3)];
+            let target = add(a, add(scale(sub(b, a), u), scale(sub(c, a), v)));
+            let towards = random.cosine_direction([0.0, 0.0, 1.0]);
+            let origin = sub(target, scale(towards, 3.0 * length(sub(b, a))));
+            let ray = Ray::new(narrow(origin), narrow(towards));
+            let Some(hit) = accel.closest(&ray) else { continue };
+            met += 1;
+            let point = stage.surface(&ray, &hit);
+            for _ in 0..20 {
+                let direction = random.cosine_direction(point.facing);
+                // Nearly along the surface, too.
+                let flat = unit(sub(direction, scale(point.normal, dot(direction, point.normal) * 0.999_999)));
+                for direction in [direction, flat.unwrap_or(direction), scale(direction, -1.0)] {
+                    let spawned = point.spawn(direction);
+                    assert_eq!(accel.closest(&spawned), None, "{corners:?} {ray:?} {spawned:?}");
+                    cast += 1;
+                }
+            }
+        }
+        assert!(met > 5_000 && cast == 60 * met, "{met}");
+    }
+
+    #[test]
+    fn a_light_on_the_surface_gets_no_ray() {
+        let stage = stage([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+        let accel = rdh::build(stage.mesh(), &Spec::default(), &Training::none(), &BuildOptions::default()).unwrap();
+        let ray = Ray::new([0.25, 0.25, 1.0], [0.0, 0.0, -1.0]);
+        let point = stage.surface(&ray, &accel.closest(&ray).unwrap());
+        assert_eq!((point.position, point.facing), ([0.25, 0.25, 0.0], [0.0, 0.0, 1.0]));
+        assert_eq!(point.spawn_to([0.25, 0.25, 0.0]), None);
+        assert_eq!(point.spawn_to([0.25, 0.25, 1e-9]), None);
+        let above = point.spawn_to([0.25, 0.25, 1.0]).unwrap();
+        assert!(above.t_max <= 1.0 && above.t_max > 0.99999 && above.direction == [0.0, 0.0, 1.0]);
+    }
 }
