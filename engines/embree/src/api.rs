@@ -1,0 +1,114 @@
+//! Embree 4's C interface, as far as it is used: declared here from its documentation, since the libraries that are
+//! easy to get come without headers.
+
+use std::ffi::{c_char, c_int, c_uint, c_void};
+
+/// What is asked of rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Query {
+    /// `rtcIntersect1`.
+    Closest,
+    /// `rtcOccluded1`.
+    Occluded,
+}
+
+/// A device, scene or geometry.
+pub(crate) type Handle = *mut c_void;
+
+/// No geometry: a miss.
+pub(crate) const INVALID_ID: c_uint = c_uint::MAX;
+
+pub(crate) const DEVICE_PROPERTY_VERSION: c_int = 0;
+pub(crate) const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
+pub(crate) const BUFFER_TYPE_INDEX: c_int = 0;
+pub(crate) const BUFFER_TYPE_VERTEX: c_int = 1;
+pub(crate) const FORMAT_UINT3: c_int = 0x5003;
+pub(crate) const FORMAT_FLOAT3: c_int = 0x9003;
+pub(crate) const SCENE_FLAG_ROBUST: c_int = 1 << 2;
+pub(crate) const BUILD_QUALITY_MEDIUM: c_int = 1;
+pub(crate) const BUILD_QUALITY_HIGH: c_int = 2;
+
+/// `RTCRay`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(16))]
+pub(crate) struct RtcRay {
+    pub(crate) origin: [f32; 3],
+    pub(crate) t_near: f32,
+    pub(crate) direction: [f32; 3],
+    pub(crate) time: f32,
+    /// Shortened to the hit; negative infinity where an occlusion was found.
+    pub(crate) t_far: f32,
+    pub(crate) mask: c_uint,
+    pub(crate) id: c_uint,
+    pub(crate) flags: c_uint,
+}
+
+/// `RTCHit` of a library that was compiled with one instance level and instance arrays.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(16))]
+pub(crate) struct RtcHit {
+    pub(crate) normal: [f32; 3],
+    pub(crate) u: f32,
+    pub(crate) v: f32,
+    pub(crate) primitive: c_uint,
+    pub(crate) geometry: c_uint,
+    pub(crate) instance: [c_uint; 1],
+    /// Without instance arrays this field is absent; the structure's size is the same, because of its alignment.
+    pub(crate) instance_primitive: [c_uint; 1],
+}
+
+/// `RTCRayHit`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(16))]
+pub(crate) struct RtcRayHit {
+    pub(crate) ray: RtcRay,
+    pub(crate) hit: RtcHit,
+}
+
+const _: () = assert!(size_of::<RtcRay>() == 48 && size_of::<RtcRayHit>() == 96);
+
+/// Called when Embree takes or returns memory; `false` would refuse it.
+pub(crate) type MemoryMonitor = unsafe extern "C" fn(user: *mut c_void, bytes: isize, after: bool) -> bool;
+
+macro_rules! functions {
+    ($($(#[$doc:meta])* $field:ident = $symbol:literal: $type:ty;)*) => {
+        /// Embree's functions, by their names without `rtc`.
+        #[derive(Debug)]
+        pub(crate) struct Functions {
+            $($(#[$doc])* pub(crate) $field: $type,)*
+        }
+
+        impl Functions {
+            /// Looks all of them up.
+            pub(crate) fn find(library: &libloading::Library) -> Result<Self, libloading::Error> {
+                // SAFETY: the symbols have these types in all versions 4.x of Embree; `library` checks the version before
+                // any but the device's functions are called, and outlives the pointers, since it is never unloaded.
+                unsafe { Ok(Self { $($field: *library.get::<$type>(concat!($symbol, "\0").as_bytes())?,)* }) }
+            }
+        }
+    };
+}
+functions! {
+    new_device = "rtcNewDevice": unsafe extern "C" fn(*const c_char) -> Handle;
+    release_device = "rtcReleaseDevice": unsafe extern "C" fn(Handle);
+    /// The last error of this thread, which it clears; 0 for none.
+    device_error = "rtcGetDeviceError": unsafe extern "C" fn(Handle) -> c_int;
+    device_property = "rtcGetDeviceProperty": unsafe extern "C" fn(Handle, c_int) -> isize;
+    set_memory_monitor = "rtcSetDeviceMemoryMonitorFunction": unsafe extern "C" fn(Handle, MemoryMonitor, *mut c_void);
+    new_scene = "rtcNewScene": unsafe extern "C" fn(Handle) -> Handle;
+    release_scene = "rtcReleaseScene": unsafe extern "C" fn(Handle);
+    set_scene_flags = "rtcSetSceneFlags": unsafe extern "C" fn(Handle, c_int);
+    set_scene_quality = "rtcSetSceneBuildQuality": unsafe extern "C" fn(Handle, c_int);
+    commit_scene = "rtcCommitScene": unsafe extern "C" fn(Handle);
+    new_geometry = "rtcNewGeometry": unsafe extern "C" fn(Handle, c_int) -> Handle;
+    release_geometry = "rtcReleaseGeometry": unsafe extern "C" fn(Handle);
+    /// Geometry, buffer type, slot, format, stride in bytes, items; gives the memory to fill.
+    new_buffer = "rtcSetNewGeometryBuffer":
+        unsafe extern "C" fn(Handle, c_int, c_uint, c_int, usize, usize) -> *mut c_void;
+    set_geometry_quality = "rtcSetGeometryBuildQuality": unsafe extern "C" fn(Handle, c_int);
+    commit_geometry = "rtcCommitGeometry": unsafe extern "C" fn(Handle);
+    attach_geometry = "rtcAttachGeometry": unsafe extern "C" fn(Handle, Handle) -> c_uint;
+    /// The last argument are options; null for none.
+    intersect1 = "rtcIntersect1": unsafe extern "C" fn(Handle, *mut RtcRayHit, *mut c_void);
+    occluded1 = "rtcOccluded1": unsafe extern "C" fn(Handle, *mut RtcRay, *mut c_void);
+}
