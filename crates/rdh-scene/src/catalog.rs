@@ -1,10 +1,19 @@
 //! What scenes there are: the embedded ones, and those of a folder with a `scenes.toml`.
 
-use std::path::{Path, PathBuf};
+mod embedded;
+mod find;
+mod near;
+mod overview;
+
+use std::path::Path;
 
 use crate::camera::View;
 use crate::error::Result;
+use crate::generate;
+use crate::index::{self, Files};
 use crate::scene::{Kind, Scene};
+pub use embedded::embedded;
+pub use find::{find, split_view};
 
 /// A scene that can be loaded.
 #[derive(Debug, Clone)]
@@ -33,23 +42,15 @@ pub enum Source {
     /// One of the generators, with its parameters as in its TOML.
     Generator(toml::Table),
     /// Mesh files, joined.
-    Files(Vec<PathBuf>),
-}
-
-/// The embedded scenes, in order.
-///
-/// # Errors
-/// None in a released program: the embedded tables are tested.
-pub fn embedded() -> Result<Vec<Entry>> {
-    Ok(Vec::new())
+    Files(Files),
 }
 
 /// The scenes of a folder's `scenes.toml`, in order.
 ///
 /// # Errors
 /// A missing or malformed index, naming file and line.
-pub fn indexed(_folder: &Path) -> Result<Vec<Entry>> {
-    Ok(Vec::new())
+pub fn indexed(folder: &Path) -> Result<Vec<Entry>> {
+    index::read_index(folder)
 }
 
 impl Entry {
@@ -57,7 +58,16 @@ impl Entry {
     ///
     /// # Errors
     /// What the reader or generator says.
-    pub fn load(&self, _frame: u32) -> Result<Scene> {
-        Ok(Scene::default())
+    pub fn load(&self, frame: u32) -> Result<Scene> {
+        match &self.source {
+            Source::Generator(table) => {
+                let scene = generate::make(table, frame)?;
+                Ok(Scene { name: self.id.clone(), views: self.views.clone(), ..scene })
+            }
+            Source::Files(files) => {
+                let scene = files.load(frame)?;
+                Ok(Scene { name: self.id.clone(), views: self.views.clone(), ..scene })
+            }
+        }
     }
 }

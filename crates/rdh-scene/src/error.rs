@@ -25,6 +25,13 @@ impl Error {
         Self::at("", reason)
     }
 
+    /// Says what the place is a part of: "mesh 2" before "primitive 0".
+    pub fn within(mut self, place: impl fmt::Display) -> Self {
+        let separator = if self.place.is_empty() { "" } else { ", " };
+        self.place = format!("{place}{separator}{}", self.place);
+        self
+    }
+
     /// Says which file it was, unless that is known already.
     pub fn in_file(mut self, file: impl Into<PathBuf>) -> Self {
         self.file.get_or_insert_with(|| file.into());

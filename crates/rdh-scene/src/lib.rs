@@ -3,6 +3,9 @@
 pub mod camera;
 pub mod catalog;
 pub mod error;
+pub mod formats;
+pub mod generate;
+pub mod index;
 pub mod scene;
 
 pub use camera::{Camera, View};
