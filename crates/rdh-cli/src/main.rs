@@ -1,1 +1,34 @@
-fn main() {}
+//! The program `rdh`: what was typed ([`args`]) -> what is meant -> the crates ([`commands`]).
+
+mod args;
+mod commands;
+mod context;
+mod exit;
+mod output;
+mod pick;
+mod picture;
+mod staged;
+mod table;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Parser;
+
+use args::{Cli, Command};
+use context::Context;
+
+fn main() -> ExitCode {
+    exit::code(run(&Cli::parse()))
+}
+
+fn run(cli: &Cli) -> Result<()> {
+    let context = Context::new(&cli.global)?;
+    match &cli.command {
+        Command::Compare(args) => commands::compare::run(args, &context),
+        Command::Scenes(args) => commands::scenes::run(args, &context),
+        Command::Record(args) => commands::record::run(args, &context),
+        Command::Rays(args) => commands::rays::run(args, &context),
+        Command::Render(args) => commands::render::run(args, &context),
+    }
+}

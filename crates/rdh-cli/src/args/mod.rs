@@ -1,0 +1,86 @@
+//! What was typed.
+
+mod compare;
+mod rays;
+mod record;
+mod render;
+mod scenes;
+mod values;
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, ColorChoice, Parser, Subcommand};
+
+pub(crate) use compare::CompareArgs;
+pub(crate) use rays::RaysArgs;
+pub(crate) use record::RecordArgs;
+pub(crate) use render::{Heat, RenderArgs};
+pub(crate) use scenes::ScenesArgs;
+pub(crate) use values::{Place, Size, Slice};
+
+/// rdh: profile-guided ray tracing.
+///
+/// Builds acceleration structures by the surface area heuristic (SAH) and by the ray distribution heuristic (RDH), which
+/// knows a sample of the rays that are really cast, and says what the difference is.
+#[derive(Debug, Parser)]
+#[command(name = "rdh", version, arg_required_else_help = true, max_term_width = 110, after_help = EXIT_CODES)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub global: Global,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 fine, 1 failed, 2 usage, 3 a verification failed.";
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Build with several specs, cast the same rays, and print what they cost
+    Compare(CompareArgs),
+    /// List scenes and their views, or say what is in mesh files
+    Scenes(ScenesArgs),
+    /// Record the rays of a mode as a profile
+    Record(RecordArgs),
+    /// Say what profiles hold; merge, thin or split them
+    Rays(RaysArgs),
+    /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
+    Render(RenderArgs),
+}
+
+/// Arguments that every command takes.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Everywhere")]
+pub(crate) struct Global {
+    /// Print JSON on standard output, and nothing else there
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// A folder with a scenes.toml: further scenes
+    #[arg(long, global = true, value_name = "DIR")]
+    pub scenes: Option<PathBuf>,
+    /// How many threads work (times are always those of one) [default: one a core]
+    #[arg(long, global = true, value_name = "N", value_parser = values::threads)]
+    pub threads: Option<usize>,
+    /// What all randomness comes from: the same seed gives the same counts
+    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Say more on standard error; twice for details
+    #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
+    pub verbose: u8,
+    /// Say only errors
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// Whether to colour
+    #[arg(long, global = true, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto)]
+    pub color: ColorChoice,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

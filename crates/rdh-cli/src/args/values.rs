@@ -1,0 +1,131 @@
+//! Values with a form of their own: `512x512`, `x:0.5`, `z:40%`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use rdh::Axis;
+
+/// A film's size in pixels, `WIDTHxHEIGHT`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub width: usize,
+    pub height: usize,
+}
+
+/// A plane across one axis, `AXIS:POSITION`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Slice {
+    pub axis: Axis,
+    pub place: Place,
+}
+
+/// Where on its axis a plane is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Place {
+    /// In world coordinates.
+    World(f64),
+    /// A part of the scene's box, 0 to 1.
+    Part(f64),
+    /// Through the view's eye.
+    Eye,
+}
+
+impl Size {
+    const LARGEST: usize = 16_384;
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |s: &str| s.parse().ok().filter(|n| (1..=Self::LARGEST).contains(n));
+        let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((side(w)?, side(h)?)));
+        let (width, height) = sides
+            .ok_or_else(|| format!("WIDTHxHEIGHT is needed, such as 512x512, with sides of 1 to {}", Self::LARGEST))?;
+        Ok(Self { width, height })
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl FromStr for Slice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once(':').and_then(|(a, p)| Some(Self { axis: axis(a)?, place: place(p)? }));
+        parsed
+            .ok_or_else(|| "AXIS:POSITION is needed: x:0.5 (world coordinates), y:40% (of the scene), z:eye".to_owned())
+    }
+}
+
+fn axis(name: &str) -> Option<Axis> {
+    match name {
+        "x" | "X" => Some(Axis::X),
+        "y" | "Y" => Some(Axis::Y),
+        "z" | "Z" => Some(Axis::Z),
+        _ => None,
+    }
+}
+
+fn place(text: &str) -> Option<Place> {
+    let number = |s: &str| s.parse().ok().filter(|x: &f64| x.is_finite());
+    match text.strip_suffix('%') {
+        Some(percent) => number(percent).filter(|p| (0.0..=100.0).contains(p)).map(|p| Place::Part(p / 100.0)),
+        None if text == "eye" => Some(Place::Eye),
+        None => number(text).map(Place::World),
+    }
+}
+
+/// A number of threads that a machine may have.
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    in_range(text, 1, 4096)
+}
+
+/// A number of rays that fits into memory.
+pub(crate) fn ray_count(text: &str) -> Result<usize, String> {
+    in_range(text, 1, 1 << 26)
+}
+
+/// A number of rounds that ends some day.
+pub(crate) fn rounds(text: &str) -> Result<usize, String> {
+    in_range(text, 1, 10_000)
+}
+
+fn in_range(text: &str, least: usize, most: usize) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (least..=most).contains(n));
+    number.ok_or_else(|| format!("a whole number from {least} to {most} is needed"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        for wrong in ["", "640", "0x5", "5x0", "640x", "-1x5", "99999x5", "4x4x4", "1.5x2"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn slices() {
+        assert_eq!("x:0.5".parse(), Ok(Slice { axis: Axis::X, place: Place::World(0.5) }));
+        assert_eq!("y:-3e2".parse(), Ok(Slice { axis: Axis::Y, place: Place::World(-300.0) }));
+        assert_eq!("z:50%".parse(), Ok(Slice { axis: Axis::Z, place: Place::Part(0.5) }));
+        assert_eq!("Z:eye".parse(), Ok(Slice { axis: Axis::Z, place: Place::Eye }));
+        for wrong in ["", "x", "x:", "w:1", "x:nan", "x:inf", "x:101%", "x:%", "0.5"] {
+            assert!(wrong.parse::<Slice>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        assert_eq!(threads("4096"), Ok(4096));
+        assert!(threads("0").is_err() && threads("many").is_err() && ray_count("99999999999").is_err());
+    }
+}

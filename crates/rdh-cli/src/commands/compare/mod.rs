@@ -1,0 +1,69 @@
+//! `rdh compare`: the same rays through every spec's structure.
+
+mod tables;
+mod watch;
+
+use anyhow::{Error, Result};
+use rdh::Spec;
+use rdh_study::{Document, Plan, Verdict, run as run_plan};
+
+use self::watch::Watch;
+use crate::args::CompareArgs;
+use crate::context::Context;
+use crate::exit::{Disagreement, usage};
+use crate::output::{print, print_json};
+use crate::pick::Shelf;
+
+/// Runs the comparison and prints it, as a table or as JSON.
+pub(crate) fn run(args: &CompareArgs, context: &Context) -> Result<()> {
+    let plan = plan(args, context)?;
+    plan.check().map_err(|e| usage(e.to_string()))?;
+    let mut watch = Watch::new(&plan, context);
+    let document = run_plan(&plan, &mut |event| watch.see(event))?;
+    watch.finish();
+    if context.json {
+        print_json(&document)?;
+    } else {
+        print(&tables::text(&document, &plan, &context.styles))?;
+    }
+    verdict(&document)
+}
+
+/// What is meant by the arguments.
+fn plan(args: &CompareArgs, context: &Context) -> Result<Plan> {
+    let shelf = Shelf::open(context.folder.as_deref())?;
+    let mut plan = Plan {
+        targets: args.scenes.iter().map(|name| shelf.find(name)).collect::<Result<_>>()?,
+        modes: args.mode.clone(),
+        protocol: args.protocol,
+        seed: context.seed,
+        threads: context.threads,
+        ..Plan::default()
+    };
+    if plan.targets.is_empty() {
+        plan.targets = shelf.usual();
+    }
+    if let Some(specs) = &args.spec {
+        plan.specs = Spec::list(specs).map_err(|e| usage(e.to_string()))?;
+    }
+    if let Some(size) = args.size {
+        plan.size = [size.width, size.height];
+    }
+    if let Some(rounds) = args.rounds {
+        (plan.rounds, plan.small_rounds) = (rounds, rounds);
+    }
+    plan.training = args.training.unwrap_or(plan.training);
+    Ok(plan)
+}
+
+/// Nothing is worse than wrong answers; then comes what could not be run.
+fn verdict(document: &Document) -> Result<()> {
+    match document.verdict() {
+        Verdict::Fine => Ok(()),
+        Verdict::Failed => Err(anyhow::anyhow!("{} of the cases could not be run", document.failures.len())),
+        Verdict::Mismatch => {
+            let count = document.mismatches.len();
+            Err(Error::new(Disagreement(format!("structures disagree in {count} cases: none of their times count"))))
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! One module a command.
+
+pub(crate) mod compare;
+pub(crate) mod rays;
+pub(crate) mod record;
+pub(crate) mod render;
+pub(crate) mod scenes;

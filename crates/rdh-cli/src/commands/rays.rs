@@ -1,0 +1,184 @@
+//! `rdh rays`: what profiles hold; merging, thinning, splitting.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use rdh::{Aabb, Profile, Query};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::args::RaysArgs;
+use crate::context::Context;
+use crate::exit::usage;
+use crate::output::{print, print_json, write_file};
+use crate::table::Table;
+
+/// Reads the profiles, does what is asked, and describes the result.
+pub(crate) fn run(args: &RaysArgs, context: &Context) -> Result<()> {
+    let profiles: Vec<_> = args.files.iter().map(|file| Ok((file.clone(), read(file)?))).collect::<Result<_>>()?;
+    let described = match &args.output {
+        None => profiles,
+        Some(output) => transform(args, context.seed, profiles, output)?,
+    };
+    let document = json!({ "version": 1, "files": described.iter().map(describe).collect::<Vec<_>>() });
+    if context.json { print_json(&document) } else { print(&described_text(&described, context)) }
+}
+
+fn read(file: &Path) -> Result<Profile> {
+    let name = || file.display().to_string();
+    let bytes = fs::read(file).with_context(name)?;
+    Profile::from_bytes(&bytes).with_context(name)
+}
+
+type Named = (PathBuf, Profile);
+
+/// Merges, thins and splits, in this order, and writes the result.
+fn transform(args: &RaysArgs, seed: u64, profiles: Vec<Named>, output: &Path) -> Result<Vec<Named>> {
+    if !args.merge && args.thin.is_none() && !args.split {
+        return Err(usage("--output needs --merge, --thin N or --split"));
+    }
+    if profiles.len() > 1 && !args.merge {
+        return Err(usage("several files go into one profile only with --merge"));
+    }
+    let whole = Profile::merge(profiles.into_iter().map(|(_, p)| p)).context("the profiles can't be merged")?;
+    let whole = args.thin.map_or_else(|| whole.clone(), |n| whole.clone().thin(n));
+    let written = if args.split { split(whole, seed, output)? } else { vec![(output.to_owned(), whole)] };
+    for (file, profile) in &written {
+        write_file(file, &profile.to_bytes())?;
+    }
+    Ok(written)
+}
+
+/// The three sets as profiles of their own, with the set's name in the settings.
+fn split(whole: Profile, seed: u64, output: &Path) -> Result<Vec<Named>> {
+    let (profile_seed, settings) = (whole.seed(), whole.settings().to_owned());
+    let (training, held_out, unseen) = whole.split(seed);
+    let sets = [
+        ("training", training.samples().to_vec()),
+        ("held-out", held_out.samples().to_vec()),
+        ("unseen", unseen.samples().to_vec()),
+    ];
+    let profile = |(name, samples)| {
+        let mut settings: Value = serde_json::from_str(&settings)?;
+        if let Some(object) = settings.as_object_mut() {
+            object.insert("set".to_owned(), json!({ "name": name, "split_seed": seed }));
+        }
+        let profile = Profile::from_samples(samples, profile_seed).with_settings(&settings.to_string())?;
+        Ok((set_name(output, name), profile))
+    };
+    sets.into_iter().map(profile).collect()
+}
+
+/// `a.rays` becomes `a.training.rays`.
+fn set_name(output: &Path, set: &str) -> PathBuf {
+    output.with_extension(format!("{set}.{}", output.extension().unwrap_or("rays".as_ref()).to_string_lossy()))
+}
+
+/// A profile for `--json`.
+#[derive(Serialize)]
+struct Described {
+    file: String,
+    samples: usize,
+    seen: u64,
+    invalid: u64,
+    rate: f64,
+    seed: u64,
+    origins_min: Option<[f32; 3]>,
+    origins_max: Option<[f32; 3]>,
+    settings: Value,
+    groups: Vec<Group>,
+}
+
+/// The samples of one class and query.
+#[derive(Serialize)]
+struct Group {
+    class: &'static str,
+    query: &'static str,
+    samples: usize,
+    weight: u64,
+    hit_share: f64,
+    origins_min: Option<[f32; 3]>,
+    origins_max: Option<[f32; 3]>,
+    direction_mean: [f32; 3],
+}
+
+fn describe((file, profile): &Named) -> Described {
+    let summary = profile.summary();
+    let group = |g: &rdh::rays::Group| Group {
+        class: g.class.name(),
+        query: query_name(g.query),
+        samples: g.samples,
+        weight: g.weight,
+        hit_share: g.hit_share,
+        origins_min: corners(&g.origins).map(|(min, _)| min),
+        origins_max: corners(&g.origins).map(|(_, max)| max),
+        direction_mean: g.direction_mean,
+    };
+    Described {
+        file: file.display().to_string(),
+        samples: profile.len(),
+        seen: summary.seen,
+        invalid: summary.invalid,
+        rate: summary.rate,
+        seed: profile.seed(),
+        origins_min: corners(&summary.origins).map(|(min, _)| min),
+        origins_max: corners(&summary.origins).map(|(_, max)| max),
+        settings: serde_json::from_str(profile.settings()).unwrap_or(Value::Null),
+        groups: summary.groups.iter().map(group).collect(),
+    }
+}
+
+fn corners(bounds: &Aabb) -> Option<([f32; 3], [f32; 3])> {
+    (!bounds.is_empty()).then_some((bounds.min, bounds.max))
+}
+
+fn query_name(query: Query) -> &'static str {
+    match query {
+        Query::Closest => "closest",
+        Query::Occluded => "occluded",
+        Query::All => "all",
+    }
+}
+
+fn described_text(profiles: &[Named], context: &Context) -> String {
+    profiles.iter().map(|p| profile_text(&describe(p), context)).collect::<Vec<_>>().join("\n")
+}
+
+fn profile_text(d: &Described, context: &Context) -> String {
+    let mut table = Table::new(&["  class", "query", ">samples", ">rays", ">hits", "mean direction", "origins"]);
+    for g in &d.groups {
+        table.push(vec![
+            format!("  {}", g.class).into(),
+            g.query.into(),
+            g.samples.to_string().into(),
+            g.weight.to_string().into(),
+            format!("{:.1} %", 100.0 * g.hit_share).into(),
+            g.direction_mean.map(|x| format!("{x:.2}")).join(" ").into(),
+            box_text(g.origins_min, g.origins_max).into(),
+        ]);
+    }
+    let invalid = if d.invalid > 0 { format!(", {} of them invalid", d.invalid) } else { String::new() };
+    let rate = if d.rate < 1.0 { format!(", 1 in {:.1} distinct rays", 1.0 / d.rate) } else { String::new() };
+    let head = format!("{}: {} samples of {} rays{invalid}{rate}, seed {}\n", d.file, d.samples, d.seen, d.seed);
+    let settings = if d.settings == json!({}) { String::new() } else { format!("  {}\n", d.settings) };
+    head + &settings + &table.text(context.styles.head)
+}
+
+fn box_text(min: Option<[f32; 3]>, max: Option<[f32; 3]>) -> String {
+    let (Some(min), Some(max)) = (min, max) else { return "none".to_owned() };
+    [0, 1, 2]
+        .map(|a| if min[a] == max[a] { format!("{}", min[a]) } else { format!("{}..{}", min[a], max[a]) })
+        .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_named_after_the_output() {
+        assert_eq!(set_name(Path::new("x/a.rays"), "held-out"), Path::new("x/a.held-out.rays"));
+        assert_eq!(set_name(Path::new("a"), "unseen"), Path::new("a.unseen.rays"));
+    }
+}

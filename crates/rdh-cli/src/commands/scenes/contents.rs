@@ -1,0 +1,179 @@
+//! What mesh files and scenes hold.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use clap::builder::styling::Style;
+use rdh::{Aabb, Vec3};
+use rdh_scene::formats::{mesh_files, read_file};
+use rdh_scene::{Note, Scene};
+use serde::Serialize;
+
+use crate::context::Context;
+use crate::output::{print, print_json};
+use crate::pick::Shelf;
+use crate::table::{Cell, Table};
+
+#[derive(Serialize)]
+struct Contents {
+    version: u32,
+    files: Vec<Content>,
+}
+
+/// What a mesh file, or a scene, holds.
+#[derive(Debug, Serialize)]
+struct Content {
+    file: String,
+    geometries: usize,
+    instances: usize,
+    /// All instances counted.
+    triangles: usize,
+    /// Every geometry counted once.
+    unique_triangles: usize,
+    /// Of `triangles`, those of exactly no area.
+    zero_area: usize,
+    materials: usize,
+    lights: usize,
+    views: usize,
+    /// In world coordinates; null for a scene without triangles.
+    bounds_min: Option<[f64; 3]>,
+    bounds_max: Option<[f64; 3]>,
+    /// The world coordinates of the scene's own `[0, 0, 0]`.
+    origin: [f64; 3],
+    /// What was dropped or repaired.
+    notes: Vec<Note>,
+    secs: f64,
+}
+
+pub(super) fn print_contents(names: &[String], shelf: &Shelf, context: &Context) -> Result<()> {
+    let names = with_folders_opened(names)?;
+    let bar = context.bar(names.len() as u64);
+    let mut files = Vec::new();
+    for name in &names {
+        bar.set_message(name.clone());
+        files.push(content(name, shelf)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let contents = Contents { version: 1, files };
+    if context.json { print_json(&contents) } else { print(&contents_text(&contents, context)) }
+}
+
+/// A folder stands for all mesh files in it.
+fn with_folders_opened(names: &[String]) -> Result<Vec<String>> {
+    let mut all = Vec::new();
+    for name in names {
+        if Path::new(name).is_dir() {
+            all.extend(mesh_files(Path::new(name))?.iter().map(|p| p.display().to_string()));
+        } else {
+            all.push(name.clone());
+        }
+    }
+    Ok(all)
+}
+
+fn content(name: &str, shelf: &Shelf) -> Result<Content> {
+    let file = Path::new(name);
+    let entry = if file.is_file() { None } else { Some(shelf.find(name)?.entry) };
+    let start = Instant::now();
+    let scene = match &entry {
+        None => read_file(file)?,
+        Some(entry) => entry.load(0).with_context(|| format!("scene '{name}'"))?,
+    };
+    Ok(Content::of(name, scene, start.elapsed().as_secs_f64()))
+}
+
+impl Content {
+    fn of(name: &str, scene: Scene, secs: f64) -> Self {
+        let zero_area: Vec<_> = scene.geometries.iter().map(|g| zero_area(&g.positions, &g.triangles)).collect();
+        let bounds = world_bounds(&scene);
+        Self {
+            file: name.to_owned(),
+            geometries: scene.geometries.len(),
+            instances: scene.instances.len(),
+            triangles: scene.triangle_count(),
+            unique_triangles: scene.geometries.iter().map(|g| g.triangles.len()).sum(),
+            zero_area: scene.instances.iter().map(|i| zero_area[i.geometry]).sum(),
+            materials: scene.materials.len(),
+            lights: scene.lights.len(),
+            views: scene.views.len(),
+            bounds_min: bounds.map(|(min, _)| min),
+            bounds_max: bounds.map(|(_, max)| max),
+            origin: scene.origin,
+            notes: scene.notes,
+            secs,
+        }
+    }
+}
+
+/// How many triangles have exactly no area. Differences and products of f32 are exact in f64, but for extreme sizes.
+fn zero_area(positions: &[Vec3], triangles: &[[u32; 3]]) -> usize {
+    let corner = |i: u32| positions.get(i as usize).map_or([0.0; 3], |p| p.map(f64::from));
+    let flat = |t: &&[u32; 3]| {
+        let [a, b, c] = t.map(corner);
+        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+        [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| u[i] * v[j] == u[j] * v[i])
+    };
+    triangles.iter().filter(flat).count()
+}
+
+fn world_bounds(scene: &Scene) -> Option<([f64; 3], [f64; 3])> {
+    let mut bounds = Aabb::EMPTY;
+    for instance in &scene.instances {
+        let geometry = &scene.geometries[instance.geometry];
+        let used = geometry.triangles.iter().flatten().filter_map(|&i| geometry.positions.get(i as usize));
+        let place = |p: &Vec3| instance.scene_from_object.point(p.map(f64::from)).map(|x| x as f32);
+        bounds = used.map(place).fold(bounds, Aabb::with);
+    }
+    let world = |p: Vec3| [0, 1, 2].map(|a| f64::from(p[a]) + scene.origin[a]);
+    (!bounds.is_empty()).then(|| (world(bounds.min), world(bounds.max)))
+}
+
+fn contents_text(contents: &Contents, context: &Context) -> String {
+    let columns =
+        ["file", ">geometries", ">instances", ">triangles", ">unique", ">zero area", ">seconds", "bounds", "notes"];
+    let mut table = Table::new(&columns);
+    for file in &contents.files {
+        let [plain, faint] = [Style::new(), context.styles.faint];
+        let numbers = [file.geometries, file.instances, file.triangles, file.unique_triangles, file.zero_area];
+        let mut row = vec![Cell::styled(&file.file, plain)];
+        row.extend(numbers.map(|n| Cell::from(n.to_string())));
+        row.push(format!("{:.3}", file.secs).into());
+        row.push(bounds_text(file).into());
+        let notes: Vec<_> = file.notes.iter().map(|n| format!("{} {}", n.count, n.what)).collect();
+        row.push(Cell::styled(notes.join("; "), faint));
+        table.push(row);
+    }
+    table.text(context.styles.head)
+}
+
+fn bounds_text(file: &Content) -> String {
+    let (Some(min), Some(max)) = (file.bounds_min, file.bounds_max) else { return "empty".to_owned() };
+    let side = |a: usize| format!("{}..{}", short(min[a]), short(max[a]));
+    [0, 1, 2].map(side).join(" ")
+}
+
+/// Six digits are more than enough to recognise a place.
+fn short(x: f64) -> String {
+    let digits = if x.abs() >= 1000.0 {
+        0
+    } else if x.abs() >= 10.0 {
+        1
+    } else {
+        3
+    };
+    format!("{x:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_on_a_line_have_no_area() {
+        let positions = [[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0], [1.0, 0.0, 0.0]];
+        let triangles = [[0, 1, 2], [0, 1, 1], [0, 1, 3], [3, 3, 3]];
+        assert_eq!(zero_area(&positions, &triangles), 3);
+    }
+}

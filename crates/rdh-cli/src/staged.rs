@@ -1,0 +1,55 @@
+//! A scene, loaded and ready, with one view of it.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use rdh::{Accel, BuildOptions, Spec, Training, build};
+use rdh_scene::View;
+use rdh_study::{Mode, Plan, Shoot, Stage, Target};
+
+use crate::exit::usage;
+
+/// A scene made ready for integrators, and who looks at it.
+#[derive(Debug)]
+pub(crate) struct Staged {
+    pub scene: String,
+    pub view: View,
+    pub stage: Stage,
+}
+
+impl Staged {
+    /// Loads a scene and finds the view: the target's, else its first one, else one from outside.
+    ///
+    /// # Errors
+    /// What the reader says; usage for an unknown view.
+    pub(crate) fn load(target: &Target) -> Result<Self> {
+        let scene = target.entry.load(0).with_context(|| format!("scene '{}'", target.entry.id))?;
+        for note in &scene.notes {
+            tracing::warn!("{}: {} {}", target.entry.id, note.count, note.what);
+        }
+        let stage = Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?;
+        let views = target.resolve(&scene.views, || stage.overview()).map_err(usage)?;
+        let view = views.into_iter().next().context("the scene has no view")?;
+        Ok(Self { scene: target.entry.id.clone(), view, stage })
+    }
+
+    /// `scene:view`, as it is typed.
+    pub(crate) fn name(&self) -> String {
+        format!("{}:{}", self.scene, self.view.name)
+    }
+
+    /// Builds a structure on this thread; its log says what was built, and how long it took.
+    pub(crate) fn build(&self, spec: &Spec, rays: &Training) -> Result<Accel> {
+        let start = Instant::now();
+        let accel = build(self.stage.mesh(), spec, rays, &BuildOptions::default())
+            .with_context(|| format!("{} can't be built by {spec}", self.scene))?;
+        let (stats, secs) = (accel.stats(), start.elapsed().as_secs_f64());
+        tracing::info!("{spec}: {} nodes, {} references, {secs:.2} s", stats.nodes, stats.references);
+        Ok(accel)
+    }
+
+    /// What makes the rays of a mode at this view.
+    pub(crate) fn shoot(&self, mode: Mode, plan: &Plan) -> Shoot<'_> {
+        Shoot::new(&self.stage, mode, &self.view, plan)
+    }
+}

@@ -1,0 +1,8 @@
+//! The program from outside: what it prints, writes, and how it ends.
+
+mod compare;
+mod rays;
+mod render;
+mod run;
+mod scenes;
+mod usage;
