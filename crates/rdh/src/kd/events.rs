@@ -102,16 +102,21 @@ impl Events {
 
     /// Only the tight bounds: planes that cut off empty space.
     pub(crate) fn sweep_tight(&mut self, axis: Axis, cell: &Aabb, tight: &Aabb, n: usize) {
-        let a = axis.index();
         self.candidates.clear();
-        let n = n as u32;
-        let inside = |x: f32| x > cell.min[a] && x < cell.max[a];
-        if inside(tight.max[a]) {
-            self.candidates.push(tight.max[a], n, 0);
-        }
+        self.push_tight_max(axis.index(), cell, tight, n);
         self.candidates.flats_right_from = self.candidates.planes.len();
-        if inside(tight.min[a]) {
-            self.candidates.push(tight.min[a], 0, n);
+        self.push_tight_min(axis.index(), cell, tight, n);
+    }
+
+    fn push_tight_max(&mut self, a: usize, cell: &Aabb, tight: &Aabb, n: usize) {
+        if tight.max[a] > cell.min[a] && tight.max[a] < cell.max[a] {
+            self.candidates.push(tight.max[a], n as u32, 0);
+        }
+    }
+
+    fn push_tight_min(&mut self, a: usize, cell: &Aabb, tight: &Aabb, n: usize) {
+        if tight.min[a] > cell.min[a] && tight.min[a] < cell.max[a] {
+            self.candidates.push(tight.min[a], 0, n as u32);
         }
     }
 
@@ -215,18 +220,41 @@ impl Events {
         self.level.run(FillBins { bins: &mut self.bins, refs, tight });
     }
 
-    /// Binned candidates: the first lower bound in each bin, and the tight bounds where they cut off empty space. What
-    /// lies below such a plane is counted exactly, what lies above it up to the upper bounds in its bin.
+    /// Binned candidates: the last upper and the first lower bound in each bin, and the tight bounds where they cut off
+    /// empty space. An upper bound is counted exactly above, a lower one below; the other side up to its bin.
     pub(crate) fn sweep_bins(&mut self, axis: Axis, cell: &Aabb, tight: &Aabb, n: usize) {
         let a = axis.index();
-        self.sweep_tight(axis, cell, tight, n);
+        self.candidates.clear();
+        self.push_tight_max(a, cell, tight, n);
+        self.push_highs(a, tight, n);
+        self.candidates.flats_right_from = self.candidates.planes.len();
+        self.push_tight_min(a, cell, tight, n);
+        self.push_lows(a, tight, n);
+    }
+
+    /// Planes at upper bounds: what lies flat in them ends there, and goes left.
+    fn push_highs(&mut self, a: usize, tight: &Aabb, n: usize) {
+        let bins = &self.bins;
+        let (mut below, mut ended) = (0, 0);
+        for k in 0..BINS {
+            let plane = bins.last_high[a][k];
+            ended += bins.high[a][k];
+            let starts_here = if bins.first_low[a][k] >= plane { bins.flat[a][k] } else { bins.low[a][k] };
+            if plane > tight.min[a] && plane < tight.max[a] {
+                self.candidates.push(plane, below + starts_here, n as u32 - ended);
+            }
+            below += bins.low[a][k];
+        }
+    }
+
+    /// Planes at lower bounds: what lies flat in them starts there, and goes right.
+    fn push_lows(&mut self, a: usize, tight: &Aabb, n: usize) {
         let bins = &self.bins;
         let (mut below, mut ended) = (0, 0);
         for k in 0..BINS {
             let plane = bins.first_low[a][k];
-            // What lies flat in the plane ends there too, but goes right.
             let ends_here = if bins.last_high[a][k] <= plane { bins.high[a][k] - bins.flat[a][k] } else { 0 };
-            if plane > tight.min[a] && plane < cell.max[a] {
+            if plane > tight.min[a] && plane < tight.max[a] {
                 self.candidates.push(plane, below, n as u32 - ended - ends_here);
             }
             below += bins.low[a][k];

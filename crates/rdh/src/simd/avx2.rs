@@ -33,33 +33,37 @@ impl Kernels for Avx2 {
 
     #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
+        let [kx, ky, kz] = frame.k;
         // SAFETY: see above.
-        let spread = |x: f32| unsafe { _mm256_set1_ps(x) };
-        Frame { k: frame.k, origin: frame.k.map(|k| spread(frame.origin[k])), shear: frame.shear.map(spread) }
+        unsafe {
+            Frame {
+                k: frame.k,
+                origin: [
+                    _mm256_set1_ps(frame.origin[kx]),
+                    _mm256_set1_ps(frame.origin[ky]),
+                    _mm256_set1_ps(frame.origin[kz]),
+                ],
+                shear: [_mm256_set1_ps(frame.shear[0]), _mm256_set1_ps(frame.shear[1])],
+            }
+        }
     }
 
     #[inline(always)]
     fn candidates(frame: &Frame, block: &Block) -> u32 {
-        let [kx, ky, kz] = frame.k;
-        // SAFETY: see above; every row of a block is eight floats.
+        let (p0, p1, p2) =
+            (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
+        let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+        // SAFETY: see above.
         unsafe {
-            let load = |c: usize, a: usize| _mm256_loadu_ps(block.corners[c][a].as_ptr());
-            let point = |c: usize| {
-                let z = _mm256_sub_ps(load(c, kz), frame.origin[2]);
-                let x = _mm256_sub_ps(_mm256_sub_ps(load(c, kx), frame.origin[0]), _mm256_mul_ps(frame.shear[0], z));
-                let y = _mm256_sub_ps(_mm256_sub_ps(load(c, ky), frame.origin[1]), _mm256_mul_ps(frame.shear[1], z));
-                (x, y)
-            };
-            let (p0, p1, p2) = (point(0), point(1), point(2));
-            let cross = |a: (__m256, __m256), b: (__m256, __m256)| {
-                _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0))
-            };
-            let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
             let zero = _mm256_setzero_ps();
-            let below = |x: __m256| _mm256_cmp_ps::<_CMP_LT_OQ>(x, zero);
-            let above = |x: __m256| _mm256_cmp_ps::<_CMP_GT_OQ>(x, zero);
-            let negative = _mm256_or_ps(_mm256_or_ps(below(u), below(v)), below(w));
-            let positive = _mm256_or_ps(_mm256_or_ps(above(u), above(v)), above(w));
+            let negative = _mm256_or_ps(
+                _mm256_or_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_LT_OQ>(v, zero)),
+                _mm256_cmp_ps::<_CMP_LT_OQ>(w, zero),
+            );
+            let positive = _mm256_or_ps(
+                _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero)),
+                _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero),
+            );
             !(_mm256_movemask_ps(_mm256_and_ps(negative, positive)) as u32) & 0xff
         }
     }
@@ -79,14 +83,34 @@ impl Kernels for Avx2 {
         let mut out = [0; 8];
         // SAFETY: see above; all arrays have eight elements.
         unsafe {
-            let load = |x: &[f32; 8]| _mm256_loadu_ps(x.as_ptr());
-            let bins = _mm256_mul_ps(_mm256_sub_ps(load(values), load(first)), load(scale));
-            let bins = _mm256_cvttps_epi32(bins);
+            let offset = _mm256_sub_ps(_mm256_loadu_ps(values.as_ptr()), _mm256_loadu_ps(first.as_ptr()));
+            let bins = _mm256_cvttps_epi32(_mm256_mul_ps(offset, _mm256_loadu_ps(scale.as_ptr())));
             let bins = _mm256_min_epi32(_mm256_max_epi32(bins, _mm256_setzero_si256()), _mm256_set1_epi32(last));
             _mm256_storeu_si256(out.as_mut_ptr().cast(), bins);
         }
         out
     }
+}
+
+// Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.
+
+/// Eight corners in the ray's frame: sheared x and y.
+#[inline(always)]
+fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256) {
+    let [kx, ky, kz] = frame.k;
+    // SAFETY: as in `Avx2`; every row of a block is eight floats.
+    unsafe {
+        let z = _mm256_sub_ps(_mm256_loadu_ps(corner[kz].as_ptr()), frame.origin[2]);
+        let x = _mm256_sub_ps(_mm256_loadu_ps(corner[kx].as_ptr()), frame.origin[0]);
+        let y = _mm256_sub_ps(_mm256_loadu_ps(corner[ky].as_ptr()), frame.origin[1]);
+        (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)))
+    }
+}
+
+#[inline(always)]
+fn cross(a: (__m256, __m256), b: (__m256, __m256)) -> __m256 {
+    // SAFETY: as in `Avx2`.
+    unsafe { _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0)) }
 }
 
 #[inline(always)]
