@@ -1,5 +1,6 @@
 //! Rays against boxes and split planes, conservatively and at any scale.
 
+use super::triangle::{larger, smaller};
 use super::{Aabb, Ray, RayFrame, Vec3};
 
 /// The power of two by which a structure stores its planes, so that plane distances neither over- nor underflow.
@@ -67,10 +68,12 @@ impl PlaneFrame {
     /// Prepares a valid ray for a structure that stores its planes by `scale`, in the box `bounds` (scaled too).
     #[inline(always)]
     pub fn new(ray: &Ray, scale: Scale, bounds: &Aabb, magnitude: f32) -> Self {
-        let reach = ray.direction.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let [dx, dy, dz] = ray.direction;
+        let reach = larger(larger(dx.abs(), dy.abs()), dz.abs());
         let shorten = power_of_two_near_one(reach, 8);
         let t_scale = f64::from(scale.factor()) / f64::from(shorten);
-        let origin = ray.origin.map(|x| x * scale.factor());
+        let [ox, oy, oz] = ray.origin;
+        let origin = [ox * scale.factor(), oy * scale.factor(), oz * scale.factor()];
         let least = reach * shorten * Self::PARALLEL;
         let slack = RayFrame::slack(origin, magnitude);
         let mut frame = Self {
@@ -92,8 +95,8 @@ impl PlaneFrame {
             frame.pad[a] = slack * frame.inverse[a].abs();
             let t0 = (bounds.min[a] - origin[a]) * frame.inverse[a];
             let t1 = (bounds.max[a] - origin[a]) * frame.inverse[a];
-            frame.t_near = frame.t_near.max(t0.min(t1) - frame.pad[a]);
-            frame.t_far = frame.t_far.min(t0.max(t1) + frame.pad[a]);
+            frame.t_near = larger(frame.t_near, smaller(t0, t1) - frame.pad[a]);
+            frame.t_far = smaller(frame.t_far, larger(t0, t1) + frame.pad[a]);
         }
         frame
     }

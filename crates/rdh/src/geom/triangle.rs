@@ -44,7 +44,7 @@ impl RayFrame {
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
-        let [x, y, z] = d.map(f32::abs);
+        let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());
         let kz = if x > y {
             if x > z { 0 } else { 2 }
         } else if y > z {
@@ -70,9 +70,21 @@ impl RayFrame {
     /// `t` itself and of the plane distances that are compared with it.
     #[inline(always)]
     pub fn slack(origin: Vec3, magnitude: f32) -> f32 {
-        let reach = origin.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let reach = larger(larger(origin[0].abs(), origin[1].abs()), origin[2].abs());
         (reach + magnitude) * (1.0 / (1 << 21) as f32)
     }
+}
+
+/// The larger of two numbers that are not NaN; one instruction, where `f32::max` takes several.
+#[inline(always)]
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers that are not NaN.
+#[inline(always)]
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// A corner in the ray's frame: sheared x and y, unsheared depth.
@@ -86,19 +98,31 @@ fn shear_point(frame: &RayFrame, corner: Vec3) -> Vec3 {
     [x, y, z]
 }
 
-/// The edge functions of a sheared triangle at the ray: the weights of its corners, up to a common factor. Signs are exact.
+/// The corners in the ray's frame.
+#[inline(always)]
+fn shear_corners(frame: &RayFrame, corners: &[Vec3; 3]) -> [Vec3; 3] {
+    [shear_point(frame, corners[0]), shear_point(frame, corners[1]), shear_point(frame, corners[2])]
+}
+
+/// The cross product of two sheared points; its sign is exact.
+#[inline(always)]
+fn cross(a: &Vec3, b: &Vec3) -> f64 {
+    f64::from(a[0]) * f64::from(b[1]) - f64::from(a[1]) * f64::from(b[0])
+}
+
+/// The edge functions of a sheared triangle at the ray: the weights of its corners, up to a common factor.
 #[inline(always)]
 fn edge_functions(p: &[Vec3; 3]) -> [f64; 3] {
-    let cross = |a: &Vec3, b: &Vec3| f64::from(a[0]) * f64::from(b[1]) - f64::from(a[1]) * f64::from(b[0]);
     [cross(&p[2], &p[1]), cross(&p[0], &p[2]), cross(&p[1], &p[0])]
 }
 
 /// Tests one triangle; edges and corners count as hit, and so do both ends of the ray's interval.
 #[inline(always)]
 pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let p = corners.map(|c| shear_point(frame, c));
+    let p = shear_corners(frame, corners);
     let w = edge_functions(&p);
-    if w.iter().any(|&x| x < 0.0) && w.iter().any(|&x| x > 0.0) {
+    let (some_below, some_above) = (w[0] < 0.0 || w[1] < 0.0 || w[2] < 0.0, w[0] > 0.0 || w[1] > 0.0 || w[2] > 0.0);
+    if some_below && some_above {
         return None;
     }
     let sum = w[0] + w[1] + w[2];
@@ -109,15 +133,11 @@ pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) ->
     // Adding 0 turns -0 into 0, so that equal distances have equal bits.
     let t = (depth / (sum * f64::from(frame.direction_z))) as f32 + 0.0;
     // `t` can leave f32's range; an infinite one is no hit, even for `t_max = inf`.
-    let inside = t >= frame.t_min && t <= frame.t_max && t.is_finite();
-    inside.then(|| Hit {
-        t,
-        u: (w[1] / sum) as f32,
-        v: (w[2] / sum) as f32,
-        tri,
-        geometry: GeomId(0),
-        instance: InstId(0),
-    })
+    if !(t >= frame.t_min && t <= frame.t_max && t.is_finite()) {
+        return None;
+    }
+    let (u, v) = ((w[1] / sum) as f32, (w[2] / sum) as f32);
+    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
 }
 
 /// Whether a triangle that was hit also *owns* the crossing, so that of the triangles around a shared edge or corner exactly
@@ -126,7 +146,7 @@ pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) ->
 /// Simulation of simplicity (Edelsbrunner and Mücke 1990): where the edge function of `a → b` is 0, moving the line
 /// by (ε, ε²) gives it the sign of `a_y − b_y`, or of `b_x − a_x` where that is 0 too.
 pub fn owns_crossing(frame: &RayFrame, corners: &[Vec3; 3]) -> bool {
-    let p = corners.map(|c| shear_point(frame, c));
+    let p = shear_corners(frame, corners);
     let w = edge_functions(&p);
     let sign = |w: f64, a: &Vec3, b: &Vec3| {
         let by_y = f64::from(a[1]) - f64::from(b[1]);

@@ -10,6 +10,7 @@
 use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span};
 use crate::geom::{Aabb, Axis, Vec3};
 use crate::rays::Training;
+use crate::simd::{Job, Kernels, Level};
 
 /// The ray distribution heuristic over one training set.
 #[derive(Debug, Clone)]
@@ -17,6 +18,7 @@ pub struct Rdh {
     lines: Vec<Line>,
     blend: Blend,
     cap: usize,
+    level: Level,
 }
 
 /// A sampled ray in the structure's space.
@@ -52,7 +54,7 @@ impl Rdh {
                 weight: s.weight as f32,
             }
         });
-        Self { lines: lines.collect(), blend: spec.blend, cap: spec.cap as usize }
+        Self { lines: lines.collect(), blend: spec.blend, cap: spec.cap as usize, level: Level::best() }
     }
 
     /// The rays that are counted in a node: all, or the first few, which are a random sub-sample.
@@ -74,31 +76,71 @@ impl Rdh {
         (t_in <= t_out + t_out.abs() * 3e-7).then_some(Span { t_in, t_out: t_out.max(t_in), ..span })
     }
 
-    /// Weights of the rays on each side of ascending planes, with their ends on both. O(R log P + P).
-    fn count(&self, spans: &[Span], axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {
-        let a = axis.index();
-        left.fill(0.0);
-        right.fill(0.0);
-        let mut right_of_all = 0.0;
+    /// The lowest and the highest point of a span along an axis, and its weight.
+    #[inline(always)]
+    fn extent(&self, span: &Span, a: usize) -> (f32, f32, f32) {
+        let line = &self.lines[span.ray as usize];
+        let x0 = line.origin[a] + span.t_in * line.direction[a];
+        let x1 = line.origin[a] + span.t_out * line.direction[a];
+        (x0.min(x1), x0.max(x1), line.weight)
+    }
+
+    /// Weights of a few rays on each side of the planes: each ray is compared with each plane, in lanes. O(64 P).
+    fn weigh_few(&self, spans: &[Span], axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {
+        let n = spans.len();
+        let (mut low, mut high, mut weight) = ([0.0; FEW], [0.0; FEW], [0.0; FEW]);
+        for (i, span) in spans.iter().enumerate() {
+            (low[i], high[i], weight[i]) = self.extent(span, axis.index());
+        }
+        let (low, high, weight) = (&low[..n], &high[..n], &weight[..n]);
+        self.level.run(Weigh { low, high, weight, planes, left, right });
+    }
+
+    /// The same for many rays: planes in order, two searches a ray, and running sums. O((R + P) log P).
+    fn weigh_many(&self, spans: &[Span], axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {
+        let mut order: Vec<u32> = (0..planes.len() as u32).collect();
+        order.sort_by(|&i, &j| planes[i as usize].total_cmp(&planes[j as usize]));
+        let ascending: Vec<f32> = order.iter().map(|&i| planes[i as usize]).collect();
+        let (mut starts, mut ends) = (vec![0.0; planes.len() + 1], vec![0.0; planes.len() + 1]);
         for span in spans {
-            let line = &self.lines[span.ray as usize];
-            let at = |t: f32| line.origin[a] + t * line.direction[a];
-            let (x0, x1) = (at(span.t_in), at(span.t_out));
-            // Left of the planes from `first_left` on, right of those before `first_missed`.
-            let first_left = planes.partition_point(|&p| p < x0.min(x1));
-            let first_missed = planes.partition_point(|&p| p <= x0.max(x1));
-            if let Some(left) = left.get_mut(first_left) {
-                *left += line.weight;
-            }
-            *right.get_mut(first_missed).unwrap_or(&mut right_of_all) += line.weight;
+            let (low, high, weight) = self.extent(span, axis.index());
+            // Left of the planes from the first on that is not below it, right of those that are not above it.
+            starts[ascending.partition_point(|&p| p < low)] += weight;
+            ends[ascending.partition_point(|&p| p <= high)] += weight;
         }
-        for i in 1..left.len() {
-            left[i] += left[i - 1];
+        let mut sum = 0.0;
+        for (k, &i) in order.iter().enumerate() {
+            sum += starts[k];
+            left[i as usize] = sum;
         }
-        let mut sum = right_of_all;
-        for right in right.iter_mut().rev() {
-            sum += std::mem::replace(right, sum);
+        let mut sum = 0.0;
+        for (k, &i) in order.iter().enumerate().rev() {
+            sum += ends[k + 1];
+            right[i as usize] = sum;
         }
+    }
+}
+
+/// Up to so many rays are compared with every plane.
+const FEW: usize = 64;
+
+/// Compares each ray with each plane.
+struct Weigh<'a> {
+    low: &'a [f32],
+    high: &'a [f32],
+    weight: &'a [f32],
+    planes: &'a [f32],
+    left: &'a mut [f32],
+    right: &'a mut [f32],
+}
+
+impl Job for Weigh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        K::weigh::<false>(self.low, self.weight, self.planes, self.left);
+        K::weigh::<true>(self.high, self.weight, self.planes, self.right);
     }
 }
 
@@ -122,15 +164,14 @@ impl Heuristic for Rdh {
         if weight == 0.0 {
             return;
         }
-        let mut order: Vec<u32> = (0..planes.len() as u32).collect();
-        order.sort_by(|&i, &j| planes[i as usize].total_cmp(&planes[j as usize]));
-        let ascending: Vec<f32> = order.iter().map(|&i| planes[i as usize]).collect();
-        let (mut counts_left, mut counts_right) = (vec![0.0; planes.len()], vec![0.0; planes.len()]);
-        self.count(spans, axis, &ascending, &mut counts_left, &mut counts_right);
-        let mix = |count: f32, area: &mut f32| *area = weight * (count / total) + (1.0 - weight) * *area;
-        for (k, &i) in order.iter().enumerate() {
-            mix(counts_left[k], &mut left[i as usize]);
-            mix(counts_right[k], &mut right[i as usize]);
+        let (areas_left, areas_right) = (left.to_vec(), right.to_vec());
+        if spans.len() <= FEW {
+            self.weigh_few(spans, axis, planes, left, right);
+        } else {
+            self.weigh_many(spans, axis, planes, left, right);
         }
+        let mix = |(p, area): (&mut f32, f32)| *p = weight * (*p / total) + (1.0 - weight) * area;
+        left.iter_mut().zip(areas_left).for_each(mix);
+        right.iter_mut().zip(areas_right).for_each(mix);
     }
 }

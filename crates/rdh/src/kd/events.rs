@@ -100,14 +100,6 @@ impl Events {
         }
     }
 
-    /// Only the tight bounds: planes that cut off empty space.
-    pub(crate) fn sweep_tight(&mut self, axis: Axis, cell: &Aabb, tight: &Aabb, n: usize) {
-        self.candidates.clear();
-        self.push_tight_max(axis.index(), cell, tight, n);
-        self.candidates.flats_right_from = self.candidates.planes.len();
-        self.push_tight_min(axis.index(), cell, tight, n);
-    }
-
     fn push_tight_max(&mut self, a: usize, cell: &Aabb, tight: &Aabb, n: usize) {
         if tight.max[a] > cell.min[a] && tight.max[a] < cell.max[a] {
             self.candidates.push(tight.max[a], n as u32, 0);

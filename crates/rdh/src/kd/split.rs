@@ -34,15 +34,16 @@ pub(crate) struct Search<'a> {
 /// How a node's candidates are found.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum How {
-    /// One test finishes the leaf: nothing but cutting off empty space can pay.
-    Tight,
     /// Counted against each other.
     Few,
-    /// At bins' borders.
+    /// At the bounds that bins find.
     Binned,
-    /// Sorted.
+    /// At all bounds, sorted.
     Sorted,
 }
+
+/// Nodes of up to so many references are searched exactly even where the spec says `binned`.
+const EXACT_UP_TO: usize = 32;
 
 impl<'a> Search<'a> {
     pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch) -> Self {
@@ -52,9 +53,9 @@ impl<'a> Search<'a> {
 
     fn how(&self, n: usize) -> How {
         match self.search {
-            _ if self.costs.is_one_test(n) => How::Tight,
-            _ if n <= FEW => How::Few,
+            SplitSearch::Binned if n <= EXACT_UP_TO => How::Few,
             SplitSearch::Binned => How::Binned,
+            SplitSearch::Exact if n <= FEW => How::Few,
             SplitSearch::Exact => How::Sorted,
         }
     }
@@ -63,21 +64,42 @@ impl<'a> Search<'a> {
     /// the first candidate. `tight` is the box of all references.
     pub(crate) fn best(&mut self, refs: &[Reference], cell: &Aabb, tight: &Aabb, rays: &NodeRays) -> Option<Split> {
         let n = refs.len();
+        if self.costs.is_one_test(n) {
+            return self.best_cut(n, cell, tight, rays);
+        }
         let how = self.how(n);
         match how {
             How::Few => self.events.take_few(refs),
             How::Binned => self.events.take_bins(refs, tight),
-            How::Tight | How::Sorted => {}
+            How::Sorted => {}
         }
         let mut best: Option<Split> = None;
         for axis in Axis::ALL {
             match how {
-                How::Tight => self.events.sweep_tight(axis, cell, tight, n),
                 How::Few => self.events.sweep_few(axis, cell, n),
                 How::Binned => self.events.sweep_bins(axis, cell, tight, n),
                 How::Sorted => self.events.sweep_sorted(refs, axis, cell),
             }
             self.evaluate(axis, cell, rays, n as u32, &mut best);
+        }
+        best
+    }
+
+    /// Where one test finishes the leaf, nothing but cutting off empty space can pay; what it pays is known exactly.
+    fn best_cut(&self, n: usize, cell: &Aabb, tight: &Aabb, rays: &NodeRays) -> Option<Split> {
+        let mut best: Option<Split> = None;
+        for axis in Axis::ALL {
+            let a = axis.index();
+            let planes = [tight.max[a], tight.min[a]];
+            let (mut left, mut right) = ([0.0; 2], [0.0; 2]);
+            self.heuristic.sweep(rays, cell, axis, &planes, &mut left, &mut right);
+            for (plane, full_side, i) in [(planes[0], left[0], 0), (planes[1], right[1], 1)] {
+                let cost = self.costs.traverse + full_side * self.costs.leaf(n);
+                if plane > cell.min[a] && plane < cell.max[a] && best.is_none_or(|b| cost < b.cost) {
+                    let chance = SplitProbability { left: left[i], right: right[i] };
+                    best = Some(Split { axis, plane, flat_left: i == 0, cost, chance });
+                }
+            }
         }
         best
     }

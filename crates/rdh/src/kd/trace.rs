@@ -91,9 +91,13 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
         let mut frame = RayFrame::new(self.ray);
         let lanes = K::frame(&frame);
         // t = split · inverse − origin · inverse, minus and plus the pad.
-        let enters = [0, 1, 2].map(|a| -planes.origin[a] * planes.inverse[a] - planes.pad[a]);
-        let leaves = [0, 1, 2].map(|a| -planes.origin[a] * planes.inverse[a] + planes.pad[a]);
-        let near_side = planes.inverse.map(|x| x.to_bits() >> 31);
+        let (mut enters, mut leaves, mut near_side) = ([0.0; 3], [0.0; 3], [0; 3]);
+        for a in 0..3 {
+            let start = -planes.origin[a] * planes.inverse[a];
+            enters[a] = start - planes.pad[a];
+            leaves[a] = start + planes.pad[a];
+            near_side[a] = planes.inverse[a].to_bits() >> 31;
+        }
         let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
         let mut now = Entry { node: ROOT, t_near: planes.t_near, t_far: planes.t_far };
         if now.t_near > now.t_far {

@@ -79,6 +79,29 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
+    fn weigh<const FROM: bool>(values: &[f32], weights: &[f32], planes: &[f32], sums: &mut [f32]) {
+        let whole = planes.len() / 8 * 8;
+        for (planes, sums) in planes.chunks_exact(8).zip(sums.chunks_exact_mut(8)) {
+            // SAFETY: see above; both chunks have eight elements.
+            unsafe {
+                let planes = _mm256_loadu_ps(planes.as_ptr());
+                let mut sum = _mm256_setzero_ps();
+                for (&value, &weight) in values.iter().zip(weights) {
+                    let value = _mm256_set1_ps(value);
+                    let counted = if FROM {
+                        _mm256_cmp_ps::<_CMP_GE_OQ>(value, planes)
+                    } else {
+                        _mm256_cmp_ps::<_CMP_LE_OQ>(value, planes)
+                    };
+                    sum = _mm256_add_ps(sum, _mm256_and_ps(counted, _mm256_set1_ps(weight)));
+                }
+                _mm256_storeu_ps(sums.as_mut_ptr(), sum);
+            }
+        }
+        super::portable::Portable::weigh::<FROM>(values, weights, &planes[whole..], &mut sums[whole..]);
+    }
+
+    #[inline(always)]
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
         let mut out = [0; 8];
         // SAFETY: see above; all arrays have eight elements.

@@ -31,6 +31,11 @@ impl Block {
     /// The corners of the triangle in a lane.
     #[inline(always)]
     pub(crate) fn corners(&self, lane: usize) -> [Vec3; 3] {
-        [0, 1, 2].map(|c: usize| [0, 1, 2].map(|a: usize| self.corners[c][a][lane]))
+        let c = &self.corners;
+        [
+            [c[0][0][lane], c[0][1][lane], c[0][2][lane]],
+            [c[1][0][lane], c[1][1][lane], c[1][2][lane]],
+            [c[2][0][lane], c[2][1][lane], c[2][2][lane]],
+        ]
     }
 }

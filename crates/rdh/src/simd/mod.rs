@@ -95,6 +95,10 @@ pub(crate) trait Kernels: Copy {
     /// The same for values at or below the plane.
     fn count_up_to(values: &[f32], planes: &[f32], counts: &mut [u32]);
 
+    /// For each plane, the weight of the values at or below it (`FROM`: at or above it). Summed in the values' order, on every
+    /// level alike.
+    fn weigh<const FROM: bool>(values: &[f32], weights: &[f32], planes: &[f32], sums: &mut [f32]);
+
     /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
 }

@@ -49,6 +49,17 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
+    fn weigh<const FROM: bool>(values: &[f32], weights: &[f32], planes: &[f32], sums: &mut [f32]) {
+        sums.fill(0.0);
+        for (&value, &weight) in values.iter().zip(weights) {
+            for (sum, &plane) in sums.iter_mut().zip(planes) {
+                let counted = if FROM { value >= plane } else { value <= plane };
+                *sum += if counted { weight } else { 0.0 };
+            }
+        }
+    }
+
+    #[inline(always)]
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
         std::array::from_fn(|i| (((values[i] - first[i]) * scale[i]) as i32).clamp(0, last))
     }
