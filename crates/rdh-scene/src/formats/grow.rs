@@ -11,9 +11,11 @@ pub(super) fn push<T>(list: &mut Vec<T>, item: T) -> Result<()> {
     Ok(())
 }
 
-/// Makes room for exactly so many more. The caller has made sure that the file can hold them.
+/// Makes room for so many more, exactly if the list is empty. The caller has made sure that the file can hold them.
 pub(super) fn reserve<T>(list: &mut Vec<T>, count: usize) -> Result<()> {
-    list.try_reserve_exact(count).map_err(|_| out_of_memory())
+    // Exactly each time, a list that grows in many steps would be copied as often.
+    let reserved = if list.is_empty() { list.try_reserve_exact(count) } else { list.try_reserve(count) };
+    reserved.map_err(|_| out_of_memory())
 }
 
 fn out_of_memory() -> Error {
