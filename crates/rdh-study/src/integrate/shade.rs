@@ -31,7 +31,7 @@ pub(crate) fn light_from(point: &SurfacePoint, light: Vec3, caster: &mut impl Ca
         return 0.0;
     }
     match (unit(sub(wide(light), point.position)), point.spawn_to(light)) {
-        (Some(towards), Some(ray)) if !caster.occluded(&ray, RayClass::Shadow) => dot(towards, point.facing),
+        (Some(towards), Some(ray)) if !caster.occluded(&ray, RayClass::Shadow) => dot(towards, point.facing).abs(),
         _ => 0.0,
     }
 }

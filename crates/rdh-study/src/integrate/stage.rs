@@ -169,9 +169,11 @@ impl SurfacePoint {
         Some(Ray::new(origin, narrow(unit(way).filter(|_| leaves)?)).within(0.0, length(way) as f32))
     }
 
-    /// Whether a point is on the side from which the ray came.
-    pub(crate) fn faces(&self, target: Vec3) -> bool {
-        dot(sub(wide(target), self.position), self.facing) > 0.0
+    /// Whether a light lies in front: on the side from which the ray came, or on the outside of what transmits, whose inside is
+    /// lit through it.
+    pub(crate) fn faces(&self, light: Vec3) -> bool {
+        let front = if self.material.transmission > 0.0 { self.normal } else { self.facing };
+        dot(sub(wide(light), self.position), front) > 0.0
     }
 }
 

@@ -2,8 +2,8 @@
 //! rays go to depth 5 whatever they contribute; every hit casts a shadow ray to each light in front of it; whatever reflects or
 //! transmits casts a reflected ray, whatever transmits casts a refracted one unless it is reflected totally.
 //!
-//! Deviations: normals are geometric (no smooth shading), and "in front" is on the side from which the ray came, because
-//! real models are not closed and their triangles are wound either way.
+//! Deviations: normals are geometric (no smooth shading), and "in front" is on the side from which the ray came unless the
+//! surface transmits, because real models are not closed and their triangles are wound either way.
 
 use rdh::{Ray, RayClass};
 
