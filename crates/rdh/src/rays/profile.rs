@@ -152,18 +152,26 @@ impl Profile {
     /// A second hash, of the ray's bits alone and this seed, decides: the same ray is always in the same set, whatever it
     /// was used for and however often, in this profile and in any other one.
     pub fn split(self, seed: u64) -> (Training, HeldOut, Unseen) {
+        let [training, held_out, unseen] = self.split_profiles(seed).map(|part| part.samples);
+        (Training::from_samples(training), HeldOut::from_samples(held_out), Unseen::from_samples(unseen))
+    }
+
+    /// The three sets of [`Self::split`], in that order, as profiles of their own: to keep them in files. Each is as
+    /// thin as this one; as seen counts what its samples stand for, since no more is known.
+    pub fn split_profiles(self, seed: u64) -> [Self; 3] {
         let hash = RayHash::new(seed, Purpose::Split);
-        let mut sets = [Vec::new(), Vec::new(), Vec::new()];
+        let empty = Self { samples: Vec::new(), tally: Tally::default(), settings: self.settings.clone(), ..self };
+        let mut parts = [empty.clone(), empty.clone(), empty];
         for sample in self.samples {
-            let set = match hash.of_ray(&sample.ray) >> 62 {
+            let part = match hash.of_ray(&sample.ray) >> 62 {
                 0 | 1 => 0,
                 2 => 1,
                 _ => 2,
             };
-            sets[set].push(sample);
+            parts[part].tally.seen[sample.class as usize] += u64::from(sample.weight);
+            parts[part].samples.push(sample);
         }
-        let [training, held_out, unseen] = sets;
-        (Training::from_samples(training), HeldOut::from_samples(held_out), Unseen::from_samples(unseen))
+        parts
     }
 
     fn cut(self, capacity: u64, limit: u64) -> Self {
