@@ -20,8 +20,8 @@ impl Costs {
     /// The stored constants for a leaf width.
     pub fn of(leaf: LeafWidth) -> Self {
         match leaf {
-            LeafWidth::One => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.2, leaf },
-            LeafWidth::Eight => Self { traverse: 1.0, intersect: 2.0, empty_bonus: 0.2, leaf },
+            LeafWidth::One => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf },
+            LeafWidth::Eight => Self { traverse: 1.0, intersect: 1.25, empty_bonus: 0.1, leaf },
         }
     }
 

@@ -57,11 +57,38 @@ impl Node {
         Self { data: lane << 28 | count, link: block << 2 | 3 }
     }
 
+    /// The axis of an interior node as an index, or 3 for a leaf.
+    #[inline(always)]
+    pub(crate) fn axis_index(self) -> usize {
+        (self.link & 3) as usize
+    }
+
+    /// The split plane of an interior node.
+    #[inline(always)]
+    pub(crate) fn split(self) -> f32 {
+        f32::from_bits(self.data)
+    }
+
+    /// The left child of an interior node; the right one is the next.
+    #[inline(always)]
+    pub(crate) fn left_child(self) -> u32 {
+        (self.link >> 2) * 2
+    }
+
+    /// Block, lane and number of a leaf's triangles.
+    #[inline(always)]
+    pub(crate) fn triangles(self) -> (u32, u32, u32) {
+        (self.link >> 2, self.data >> 28, self.data & Self::MAX_COUNT)
+    }
+
     /// Unpacks it.
     #[inline(always)]
     pub fn kind(self) -> NodeKind {
         match self.link & 3 {
-            3 => NodeKind::Leaf { block: self.link >> 2, lane: self.data >> 28, count: self.data & Self::MAX_COUNT },
+            3 => {
+                let (block, lane, count) = self.triangles();
+                NodeKind::Leaf { block, lane, count }
+            }
             a => NodeKind::Interior {
                 axis: Axis::ALL[a as usize],
                 split: f32::from_bits(self.data),

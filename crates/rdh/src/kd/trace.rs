@@ -6,8 +6,7 @@
 //! is nearer than anything in the cell: a hit found in a cell may lie outside of it, and counts all the same.
 
 use super::KdTree;
-use super::node::NodeKind;
-use crate::geom::{Hit, PlaneFrame, Ray, RayFrame, TriId, hit_triangle, owns_crossing};
+use crate::geom::{Hit, PlaneFrame, Ray, RayFrame, TriId, hit_triangle, larger, owns_crossing, smaller};
 use crate::mem::Stack;
 use crate::probe::Probe;
 use crate::simd::{Block, Job, Kernels, LANES};
@@ -75,8 +74,32 @@ struct Entry {
     t_far: f32,
 }
 
-/// The root's index; it does not lie with the pairs.
-const ROOT: u32 = u32::MAX;
+/// The value of an axis index that stands for a leaf; arrays have four elements so that no index needs a check.
+const LEAF: usize = 3;
+
+/// A ray's constants for split planes: t = split · inverse + start, less and more the pad.
+struct Planes {
+    inverse: [f32; 4],
+    enters: [f32; 4],
+    leaves: [f32; 4],
+    /// 1 where the ray runs down the axis and meets the right child first.
+    near_side: [u32; 4],
+}
+
+impl Planes {
+    #[inline(always)]
+    fn new(frame: &PlaneFrame) -> Self {
+        let mut planes = Self { inverse: [0.0; 4], enters: [0.0; 4], leaves: [0.0; 4], near_side: [0; 4] };
+        for a in 0..3 {
+            let start = -frame.origin[a] * frame.inverse[a];
+            planes.inverse[a] = frame.inverse[a];
+            planes.enters[a] = start - frame.pad[a];
+            planes.leaves[a] = start + frame.pad[a];
+            planes.near_side[a] = frame.inverse[a].to_bits() >> 31;
+        }
+        planes
+    }
+}
 
 impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
     type Output = ();
@@ -87,69 +110,58 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             return;
         }
         let tree = self.tree;
-        let planes = PlaneFrame::new(self.ray, tree.scale, &tree.bounds, tree.magnitude);
-        let mut frame = RayFrame::new(self.ray);
-        let lanes = K::frame(&frame);
-        // t = split · inverse − origin · inverse, minus and plus the pad.
-        let (mut enters, mut leaves, mut near_side) = ([0.0; 3], [0.0; 3], [0; 3]);
-        for a in 0..3 {
-            let start = -planes.origin[a] * planes.inverse[a];
-            enters[a] = start - planes.pad[a];
-            leaves[a] = start + planes.pad[a];
-            near_side[a] = planes.inverse[a].to_bits() >> 31;
-        }
-        let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
-        let mut now = Entry { node: ROOT, t_near: planes.t_near, t_far: planes.t_far };
-        if now.t_near > now.t_far {
+        let plane_frame = PlaneFrame::new(self.ray, tree.scale, &tree.bounds, tree.magnitude);
+        let (mut t_near, mut t_far) = (plane_frame.t_near, plane_frame.t_far);
+        if t_near > t_far {
             return;
         }
+        let mut frame = RayFrame::new(self.ray);
+        let lanes = K::frame(&frame);
+        let planes = Planes::new(&plane_frame);
+        let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
         let nodes = tree.nodes();
+        let mut node = tree.root;
         // The end of interest in the tree's own `t`.
         let mut end = f32::INFINITY;
         loop {
-            let node = if now.node == ROOT { tree.root } else { nodes[now.node as usize] };
-            match node.kind() {
-                NodeKind::Interior { axis, split, pair } => {
-                    self.probe.interior();
-                    let a = axis.index();
-                    let along = split * planes.inverse[a];
-                    let (far_from, near_until) = (along + enters[a], along + leaves[a]);
-                    let near = 2 * pair + near_side[a];
-                    if far_from > now.t_far {
-                        now.node = near;
-                    } else if near_until < now.t_near {
-                        now.node = near ^ 1;
-                    } else {
-                        let t_near = if far_from > now.t_near { far_from } else { now.t_near };
-                        stack.push(Entry { node: near ^ 1, t_near, t_far: now.t_far });
-                        now.node = near;
-                        now.t_far = if near_until < now.t_far { near_until } else { now.t_far };
-                    }
-                    continue;
+            let a = node.axis_index();
+            if a != LEAF {
+                self.probe.interior();
+                let along = node.split() * planes.inverse[a];
+                let (far_from, near_until) = (along + planes.enters[a], along + planes.leaves[a]);
+                let near = node.left_child() + planes.near_side[a];
+                if far_from > t_far {
+                    node = nodes[near as usize];
+                } else if near_until < t_near {
+                    node = nodes[(near ^ 1) as usize];
+                } else {
+                    let far = Entry { node: near ^ 1, t_near: larger(far_from, t_near), t_far };
+                    stack.push(far);
+                    node = nodes[near as usize];
+                    t_far = smaller(near_until, t_far);
                 }
-                NodeKind::Leaf { block, lane, count } => {
-                    self.probe.leaf(count);
-                    if count > 0 {
-                        let blocks = &tree.blocks[block as usize..];
-                        match visit::<K, C>(tree, self.ray, &mut frame, &lanes, blocks, (lane, count), self.collector) {
-                            Some(true) => end = planes.scaled_t(frame.t_max).next_up(),
-                            Some(false) => {}
-                            None => return,
-                        }
-                    }
+                continue;
+            }
+            let (block, lane, count) = node.triangles();
+            self.probe.leaf(count);
+            if count > 0 {
+                let blocks = &tree.blocks[block as usize..];
+                match visit::<K, C>(tree, self.ray, &mut frame, &lanes, blocks, (lane, count), self.collector) {
+                    Some(true) => end = plane_frame.scaled_t(frame.t_max).next_up(),
+                    Some(false) => {}
+                    None => return,
                 }
             }
-            loop {
+            let entry = loop {
                 match stack.pop() {
                     None => return,
                     Some(entry) if entry.t_near > end => {}
-                    Some(entry) => {
-                        now = entry;
-                        break;
-                    }
+                    Some(entry) => break entry,
                 }
-            }
-            now.t_far = if now.t_far < end { now.t_far } else { end };
+            };
+            node = nodes[entry.node as usize];
+            t_near = entry.t_near;
+            t_far = smaller(entry.t_far, end);
         }
     }
 }

@@ -13,7 +13,7 @@ pub const SPECS: &[&str] = &[
     "kd(leaf=1,split=exact)+sah",
     "kd(leaf=1)+sah",
     "kd(prune=none,stop=cost)+sah",
-    "kd(stop=paper,prune=none)+sah",
+    "kd(prune=none,stop=paper)+sah",
     "kd+rdh(paper)",
     "kd+rdh(paper,weight=0)",
     "kd+rdh",

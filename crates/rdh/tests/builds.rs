@@ -1,0 +1,132 @@
+//! What builds promise besides right answers: the same tree on any number of threads, budgets, cancellation, growth.
+
+mod common;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::meshes::{heights, icosphere, nasty, soup, tessellated_box};
+use common::{SPECS, build_spec, rays::mixed, training};
+use rdh::{BuildOptions, Counts, Error, Mesh, Spec, Training, build};
+
+fn terrain(n: u32) -> Mesh {
+    heights(n, |i, j| ((i * 37 + j * 91) % 17) as f32 * 0.004)
+}
+
+#[test]
+fn the_tree_does_not_depend_on_threads() {
+    for mesh in [terrain(80), soup(12_000, 0.03, 3)] {
+        let rays = training(&soup(500, 0.05, 1));
+        for spec in SPECS {
+            let spec: Spec = spec.parse().expect(spec);
+            let with = |threads| {
+                let options = BuildOptions { threads: Some(threads), ..BuildOptions::default() };
+                build(&mesh, &spec, &rays, &options).expect("it builds").fingerprint()
+            };
+            let one = with(1);
+            assert_eq!((one, one), (with(2), with(7)), "{spec}");
+        }
+    }
+}
+
+#[test]
+fn reference_budgets_are_kept() {
+    for (name, mesh) in nasty() {
+        for factor in [1, 2, 5] {
+            let max_refs = factor * mesh.len();
+            let options = BuildOptions { max_refs: Some(max_refs), ..BuildOptions::default() };
+            let accel = build(&mesh, &Spec::default(), &Training::none(), &options).expect(name);
+            assert!(accel.stats().references <= max_refs, "{name}: {:?}", accel.stats());
+            assert!(accel.check(&mesh).is_empty(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn byte_and_depth_budgets_are_kept_or_refused() {
+    let mesh = soup(5000, 0.2, 5);
+    let free = build_spec(&mesh, "kd+sah").stats().clone();
+    let options = BuildOptions { max_bytes: Some(free.bytes / 2), ..BuildOptions::default() };
+    let accel = build(&mesh, &Spec::default(), &Training::none(), &options).expect("half of it is enough");
+    assert!(accel.stats().bytes <= free.bytes / 2);
+    assert!(accel.check(&mesh).is_empty());
+    let options = BuildOptions { max_bytes: Some(1000), ..BuildOptions::default() };
+    let error = build(&mesh, &Spec::default(), &Training::none(), &options).err();
+    assert_eq!(error, Some(Error::OverBudget { what: "bytes", limit: 1000 }));
+    let options = BuildOptions { max_depth: Some(3), ..BuildOptions::default() };
+    assert!(build(&mesh, &Spec::default(), &Training::none(), &options).expect("it builds").stats().depth <= 3);
+}
+
+#[test]
+fn a_build_can_be_cancelled_and_reports_progress() {
+    let mesh = terrain(120);
+    for threads in [1, 2] {
+        let asked = AtomicUsize::new(0);
+        let cancel = || asked.fetch_add(1, Ordering::Relaxed) >= 3;
+        let options = BuildOptions { threads: Some(threads), cancel: Some(&cancel), ..BuildOptions::default() };
+        assert_eq!(build(&mesh, &Spec::default(), &Training::none(), &options).err(), Some(Error::Cancelled));
+        let reports = AtomicUsize::new(0);
+        let progress = |part: f64| {
+            assert!((0.0..=1.0).contains(&part));
+            reports.fetch_add(1, Ordering::Relaxed);
+        };
+        let options = BuildOptions { threads: Some(threads), progress: Some(&progress), ..BuildOptions::default() };
+        build(&mesh, &Spec::default(), &Training::none(), &options).expect("it builds");
+        assert!(reports.load(Ordering::Relaxed) > 10);
+    }
+}
+
+/// Memory and nodes grow no faster than the mesh, and steps a ray only as its logarithm.
+#[test]
+fn trees_grow_with_their_meshes() {
+    let stats: Vec<_> = [40, 160].map(|n| build_spec(&terrain(n), "kd+sah").stats().clone()).into();
+    let growth = |f: fn(&rdh::Stats) -> usize| f(&stats[1]) as f64 / f(&stats[0]) as f64 / 16.0;
+    assert!(growth(|s| s.references) < 1.2 && growth(|s| s.bytes) < 1.2 && growth(|s| s.nodes) < 1.2, "{stats:?}");
+    assert!(stats[1].depth <= stats[0].depth + 8);
+}
+
+/// What cannot be separated becomes one leaf at once, instead of a search without end.
+#[test]
+fn identical_triangles_are_one_leaf() {
+    let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1]];
+    let mesh = Mesh::new(points, vec![[0, 1, 2]; 20_000]).expect("a valid mesh");
+    for spec in ["kd+sah", "kd(leaf=1,split=exact)+sah"] {
+        let stats = build_spec(&mesh, spec).stats().clone();
+        assert!(stats.references <= 40_000 && stats.nodes < 100, "{spec}: {stats:?}");
+    }
+}
+
+#[test]
+fn built_specs_are_reported_as_asked() {
+    let mesh = icosphere(2);
+    for text in SPECS {
+        let accel = build_spec(&mesh, text);
+        assert_eq!(&accel.stats().spec.to_string(), text);
+        assert_eq!(accel.stats().triangles, mesh.len());
+        assert_eq!(accel.stats().nodes, 2 * accel.stats().leaves - 1);
+    }
+}
+
+/// What the baselines cost, so that no change makes them worse unnoticed: steps, tests and bytes for fixed rays, within 1 %.
+#[test]
+fn the_baselines_stay_as_good_as_they_are() {
+    let golden = include_str!("golden/baselines.txt");
+    let mut current = String::new();
+    for (name, mesh) in [("terrain", terrain(100)), ("soup", soup(20_000, 0.03, 7)), ("box", tessellated_box(48))] {
+        let rays = mixed(&mesh, 2000, 31);
+        for spec in ["kd+sah", "kd(prune=none)+sah", "kd(stop=paper,prune=none)+sah", "kd(leaf=1,split=exact)+sah"] {
+            let accel = build_spec(&mesh, spec);
+            let mut counts = Counts::default();
+            for ray in &rays {
+                accel.closest_counted(ray, &mut counts);
+            }
+            let bytes = accel.stats().bytes;
+            current += &format!("{name} {spec} {} {} {bytes}\n", counts.steps(), counts.tests);
+        }
+    }
+    let numbers = |line: &str| line.rsplitn(4, ' ').take(3).map(|x| x.parse::<f64>().expect(line)).collect::<Vec<_>>();
+    assert_eq!(golden.lines().count(), current.lines().count(), "expected lines:\n{current}");
+    for (was, is) in golden.lines().zip(current.lines()) {
+        let worse = numbers(was).iter().zip(numbers(is)).any(|(was, is)| is > was * 1.01);
+        assert!(!worse, "was: {was}\nis:  {is}\nall:\n{current}");
+    }
+}
