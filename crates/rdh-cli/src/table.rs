@@ -83,9 +83,26 @@ impl Table {
     }
 }
 
+/// A coordinate with enough digits to recognise a place by.
+pub(crate) fn short_coordinate(x: f64) -> String {
+    let digits = match x.abs() {
+        size if size >= 1000.0 => 0,
+        size if size >= 10.0 => 1,
+        _ => 3,
+    };
+    let text = format!("{x:.digits$}");
+    // Nobody wants to read of a negative zero.
+    if text == "-0.000" { "0.000".to_owned() } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn coordinates_are_short() {
+        assert_eq!([0.12345, -0.0001, 85_000.4, -12.34].map(short_coordinate), ["0.123", "0.000", "85000", "-12.3"]);
+    }
 
     #[test]
     fn numbers_stand_right_and_lines_end_without_blanks() {

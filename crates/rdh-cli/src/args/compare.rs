@@ -13,7 +13,7 @@ pub(crate) struct CompareArgs {
     /// Scenes by id (balls4), views of them (balls4:front), or mesh files
     /// [default: the quick set; all scenes of --scenes DIR if that is given]
     #[arg(value_name = "SCENE")]
-    pub scenes: Vec<String>,
+    pub names: Vec<String>,
     /// What to build: specs with commas between them [default: kd+sah,kd+rdh(paper),kd+rdh]
     #[arg(long, value_name = "LIST")]
     pub spec: Option<String>,

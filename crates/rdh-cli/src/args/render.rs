@@ -33,6 +33,9 @@ pub(crate) struct RenderArgs {
     /// Cut the cells by a plane and draw the training rays near it: x:0.5 (world coordinates), y:40%, z:eye
     #[arg(long, value_name = "AXIS:POS", allow_hyphen_values = true)]
     pub slice: Option<Slice>,
+    /// Magnify a slice around the view's target
+    #[arg(long, value_name = "FACTOR", value_parser = values::zoom, default_value = "1", requires = "slice")]
+    pub zoom: f32,
     /// How many training rays
     #[arg(long, value_name = "N", value_parser = values::ray_count, default_value_t = 16_384)]
     pub training: usize,

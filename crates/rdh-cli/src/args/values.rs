@@ -32,6 +32,8 @@ pub(crate) enum Place {
 
 impl Size {
     const LARGEST: usize = 16_384;
+    /// Rays, counts and colours of more pixels would not fit into memory together.
+    const MOST_PIXELS: usize = rdh_study::Plan::MAX_PIXELS;
 }
 
 impl FromStr for Size {
@@ -42,6 +44,9 @@ impl FromStr for Size {
         let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((side(w)?, side(h)?)));
         let (width, height) = sides
             .ok_or_else(|| format!("WIDTHxHEIGHT is needed, such as 512x512, with sides of 1 to {}", Self::LARGEST))?;
+        if width * height > Self::MOST_PIXELS {
+            return Err(format!("at most {} pixels are possible", Self::MOST_PIXELS));
+        }
         Ok(Self { width, height })
     }
 }
@@ -95,6 +100,12 @@ pub(crate) fn rounds(text: &str) -> Result<usize, String> {
     in_range(text, 1, 10_000)
 }
 
+/// A magnification.
+pub(crate) fn zoom(text: &str) -> Result<f32, String> {
+    let factor = text.parse().ok().filter(|x| (1.0..=1e4).contains(x));
+    factor.ok_or_else(|| "a number from 1 to 10000 is needed".to_owned())
+}
+
 fn in_range(text: &str, least: usize, most: usize) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (least..=most).contains(n));
     number.ok_or_else(|| format!("a whole number from {least} to {most} is needed"))
@@ -107,7 +118,7 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
-        for wrong in ["", "640", "0x5", "5x0", "640x", "-1x5", "99999x5", "4x4x4", "1.5x2"] {
+        for wrong in ["", "640", "0x5", "5x0", "640x", "-1x5", "99999x5", "4x4x4", "1.5x2", "16384x16384"] {
             assert!(wrong.parse::<Size>().is_err(), "{wrong}");
         }
     }

@@ -12,7 +12,7 @@ use crate::args::RaysArgs;
 use crate::context::Context;
 use crate::exit::usage;
 use crate::output::{print, print_json, write_file};
-use crate::table::Table;
+use crate::table::{Table, short_coordinate};
 
 /// Reads the profiles, does what is asked, and describes the result.
 pub(crate) fn run(args: &RaysArgs, context: &Context) -> Result<()> {
@@ -52,22 +52,14 @@ fn transform(args: &RaysArgs, seed: u64, profiles: Vec<Named>, output: &Path) ->
 
 /// The three sets as profiles of their own, with the set's name in the settings.
 fn split(whole: Profile, seed: u64, output: &Path) -> Result<Vec<Named>> {
-    let (profile_seed, settings) = (whole.seed(), whole.settings().to_owned());
-    let (training, held_out, unseen) = whole.split(seed);
-    let sets = [
-        ("training", training.samples().to_vec()),
-        ("held-out", held_out.samples().to_vec()),
-        ("unseen", unseen.samples().to_vec()),
-    ];
-    let profile = |(name, samples)| {
-        let mut settings: Value = serde_json::from_str(&settings)?;
+    let named = |(name, profile): (&str, Profile)| {
+        let mut settings: Value = serde_json::from_str(profile.settings())?;
         if let Some(object) = settings.as_object_mut() {
             object.insert("set".to_owned(), json!({ "name": name, "split_seed": seed }));
         }
-        let profile = Profile::from_samples(samples, profile_seed).with_settings(&settings.to_string())?;
-        Ok((set_name(output, name), profile))
+        Ok((set_name(output, name), profile.with_settings(&settings.to_string())?))
     };
-    sets.into_iter().map(profile).collect()
+    ["training", "held-out", "unseen"].into_iter().zip(whole.split_profiles(seed)).map(named).collect()
 }
 
 /// `a.rays` becomes `a.training.rays`.
@@ -154,7 +146,7 @@ fn profile_text(d: &Described, context: &Context) -> String {
             g.samples.to_string().into(),
             g.weight.to_string().into(),
             format!("{:.1} %", 100.0 * g.hit_share).into(),
-            g.direction_mean.map(|x| format!("{x:.2}")).join(" ").into(),
+            g.direction_mean.map(|x| short_coordinate(x.into())).join(" ").into(),
             box_text(g.origins_min, g.origins_max).into(),
         ]);
     }
@@ -167,9 +159,11 @@ fn profile_text(d: &Described, context: &Context) -> String {
 
 fn box_text(min: Option<[f32; 3]>, max: Option<[f32; 3]>) -> String {
     let (Some(min), Some(max)) = (min, max) else { return "none".to_owned() };
-    [0, 1, 2]
-        .map(|a| if min[a] == max[a] { format!("{}", min[a]) } else { format!("{}..{}", min[a], max[a]) })
-        .join(" ")
+    let side = |a: usize| {
+        let [low, high] = [min[a], max[a]].map(|x| short_coordinate(x.into()));
+        if low == high { low } else { format!("{low}..{high}") }
+    };
+    [0, 1, 2].map(side).join(" ")
 }
 
 #[cfg(test)]

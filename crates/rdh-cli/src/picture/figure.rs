@@ -37,6 +37,9 @@ const TEXT: usize = 2;
 /// Panels smaller than this are enlarged by whole pixels, so that their titles find room.
 const SMALLEST_PANEL: usize = 320;
 const BAR_WIDTH: usize = 20;
+const MOST_TICKS: usize = 7;
+/// Pixels of a bar's height that a number needs.
+const TICK_ROOM: usize = 40;
 
 /// Draws a figure: its title, then the items in a row.
 pub(crate) fn draw_figure(title: &str, items: &[Item]) -> Canvas {
@@ -66,7 +69,8 @@ fn draw_panel(canvas: &mut Canvas, panel: &Panel, (x, y): (usize, usize)) {
 }
 
 fn draw_bar(canvas: &mut Canvas, bar: &ColourBar, rect: Rect) {
-    canvas.text((rect.x, rect.y - LINE), &bar.label, TEXT, GREY);
+    // A little above the panels' notes: the topmost number reaches over the bar's end.
+    canvas.text((rect.x, rect.y - LINE - 8), &bar.label, TEXT, GREY);
     let span = (rect.height - 1).max(1) as f64;
     for row in 0..rect.height {
         let share = 1.0 - row as f64 / span;
@@ -74,7 +78,7 @@ fn draw_bar(canvas: &mut Canvas, bar: &ColourBar, rect: Rect) {
         canvas.fill(Rect { y: rect.y + row, height: 1, ..rect }, bar.scale.colour(value));
     }
     canvas.frame(rect, RULE);
-    for tick in bar.scale.ticks() {
+    for tick in bar.scale.ticks((rect.height / TICK_ROOM).clamp(1, MOST_TICKS)) {
         let y = rect.y + ((1.0 - bar.scale.position(tick)) * span).round() as usize;
         canvas.fill(Rect { x: rect.x + rect.width, y, width: 6, height: 1 }, INK);
         let high = text_size("0", TEXT).1;
@@ -102,7 +106,8 @@ fn width(item: &Item) -> usize {
     match item {
         Item::Panel(panel) => panel.picture.width() * zoom(panel),
         Item::Bar(bar) => {
-            let numbers = bar.scale.ticks().iter().map(|t| text_size(&short_number(*t), TEXT).0).max().unwrap_or(0);
+            let numbers =
+                bar.scale.ticks(MOST_TICKS).iter().map(|t| text_size(&short_number(*t), TEXT).0).max().unwrap_or(0);
             (BAR_WIDTH + 10 + numbers).max(text_size(&bar.label, TEXT).0)
         }
     }

@@ -7,7 +7,7 @@ mod font;
 mod line;
 mod scale;
 
-pub(crate) use canvas::{Canvas, Rect, Rgb};
+pub(crate) use canvas::{Canvas, Rgb};
 pub(crate) use encode::{Channel, exr_bytes, png_bytes};
 pub(crate) use figure::{ColourBar, Item, Panel, draw_figure};
 pub(crate) use line::{Pen, draw_disc, draw_line};

@@ -36,9 +36,9 @@ impl ColourScale {
         if self.high > self.low { ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0) } else { 0.5 }
     }
 
-    /// Three to eight round numbers on the scale.
-    pub(crate) fn ticks(&self) -> Vec<f64> {
-        let step = round_step((self.high - self.low) / 7.0);
+    /// Round numbers on the scale, with at most so many steps between them.
+    pub(crate) fn ticks(&self, most_steps: usize) -> Vec<f64> {
+        let step = round_step((self.high - self.low) / most_steps.max(1) as f64);
         let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
         (first..=last).map(|i| i as f64 * step).collect()
     }
@@ -81,11 +81,12 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_on_the_scale() {
-        assert_eq!(ColourScale::sequential(100.0).ticks(), [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
-        assert_eq!(ColourScale::diverging(15.0).ticks(), [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0]);
+        assert_eq!(ColourScale::sequential(100.0).ticks(7), [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
+        assert_eq!(ColourScale::diverging(15.0).ticks(7), [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0]);
         for high in [1e-6, 0.3, 7.0, 1234.0, 9.99e7] {
-            let ticks = ColourScale::sequential(high).ticks();
+            let ticks = ColourScale::sequential(high).ticks(7);
             assert!((3..=8).contains(&ticks.len()), "{high}: {ticks:?}");
+            assert!(ColourScale::sequential(high).ticks(1).len() <= 2);
         }
     }
 

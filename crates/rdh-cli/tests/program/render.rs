@@ -40,10 +40,10 @@ fn pictures_are_repeatable() {
 fn every_spec_has_its_panel() {
     let folder = tempfile::tempdir().unwrap();
     let width = |heat, specs| png_size(&picture(folder.path(), "a.png", &["--heat", heat, "--spec", specs])).0;
-    let one = width("steps", "kd+sah");
-    let two = width("tests", "kd+sah,kd+rdh");
-    let three = width("diff", "kd+sah,kd+rdh");
-    assert!(two > one + 320 && three > two + 320, "{one} {two} {three}");
+    let two = width("steps", "kd+sah,kd+rdh");
+    let three = width("tests", "kd+sah,kd+rdh(paper),kd+rdh");
+    let difference = width("diff", "kd+sah,kd+rdh");
+    assert!(two > 640 && three > two + 320 && difference > two + 320, "{two} {three} {difference}");
 }
 
 #[test]

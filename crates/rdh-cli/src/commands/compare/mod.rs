@@ -33,7 +33,7 @@ pub(crate) fn run(args: &CompareArgs, context: &Context) -> Result<()> {
 fn plan(args: &CompareArgs, context: &Context) -> Result<Plan> {
     let shelf = Shelf::open(context.folder.as_deref())?;
     let mut plan = Plan {
-        targets: args.scenes.iter().map(|name| shelf.find(name)).collect::<Result<_>>()?,
+        targets: args.names.iter().map(|name| shelf.find(name)).collect::<Result<_>>()?,
         modes: args.mode.clone(),
         protocol: args.protocol,
         seed: context.seed,
@@ -65,5 +65,27 @@ fn verdict(document: &Document) -> Result<()> {
             let count = document.mismatches.len();
             Err(Error::new(Disagreement(format!("structures disagree in {count} cases: none of their times count"))))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exit;
+
+    fn code(failures: &str, mismatches: &str) -> std::process::ExitCode {
+        let text = format!(r#"{{"version":1,"rows":[],"summary":[],"failures":{failures},"mismatches":{mismatches}}}"#);
+        exit::code(verdict(&serde_json::from_str(&text).unwrap()))
+    }
+
+    #[test]
+    fn wrong_answers_are_worse_than_failures_and_both_are_told_by_the_exit_code() {
+        let failure = r#"[{"scene":"s","view":null,"spec":null,"reason":"unreadable"}]"#;
+        let mismatch = r#"[{"scene":"s","view":"v","mode":"primary","class":"primary","spec":"kd+rdh","base":"kd+sah",
+            "rays":1,"first_ray":0,"ray":[0,0,0,0,0,1],"t_max":null,"answer":[1.0,3],"base_answer":null}]"#;
+        assert_eq!(code("[]", "[]"), std::process::ExitCode::SUCCESS);
+        assert_eq!(code(failure, "[]"), 1.into());
+        assert_eq!(code("[]", mismatch), 3.into());
+        assert_eq!(code(failure, mismatch), 3.into());
     }
 }

@@ -7,7 +7,7 @@ mod slice;
 use std::path::Path;
 
 use anyhow::Result;
-use rdh::{Accel, Spec, Training};
+use rdh::{Aabb, Accel, Spec, Training};
 use rdh_study::{Mode, Plan};
 use serde_json::json;
 
@@ -27,6 +27,7 @@ struct Request {
     mode: Mode,
     size: Size,
     plan: Plan,
+    zoom: f32,
     format: Format,
 }
 
@@ -105,7 +106,7 @@ impl Request {
         }
         let size = args.size;
         let plan = Plan { size: [size.width, size.height], training: args.training, seed, ..Plan::default() };
-        Ok(Self { subject, specs, mode: args.mode, size, plan, format })
+        Ok(Self { subject, specs, mode: args.mode, size, plan, zoom: args.zoom, format })
     }
 
     /// The view's training rays, if anything here needs them: they are cast through a plain tree.
@@ -115,6 +116,23 @@ impl Request {
         }
         let first = staged.build(&Spec::default(), &Training::none())?;
         Ok(staged.shoot(self.mode, &self.plan).training(&first, self.size.width * self.size.height))
+    }
+
+    /// What a slice shows of the scene's box: all of it, or the part around the view's target whose longest side is so many
+    /// times shorter; across the slice all of it.
+    fn part_of(&self, staged: &Staged, across: usize) -> Aabb {
+        let (bounds, origin, target) = (staged.stage.bounds(), staged.stage.origin(), staged.view.target);
+        let longest = bounds.extent().into_iter().fold(0.0, f32::max);
+        let side = |a: usize| {
+            if a == across {
+                return [bounds.min[a], bounds.max[a]];
+            }
+            let half = 0.5 * bounds.extent()[a].min(longest / self.zoom);
+            let middle = ((target[a] - origin[a]) as f32).min(bounds.max[a] - half).max(bounds.min[a] + half);
+            [middle - half, middle + half]
+        };
+        let sides = [0, 1, 2].map(side);
+        Aabb { min: sides.map(|s| s[0]), max: sides.map(|s| s[1]) }
     }
 
     fn draw(&self, staged: &Staged, built: &[Built], training: &Training) -> Result<Picture> {

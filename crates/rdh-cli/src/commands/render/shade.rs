@@ -9,7 +9,7 @@ use crate::picture::{Canvas, Channel, Rgb};
 use crate::staged::Staged;
 
 /// Samples of a pixel along each side; modes with random numbers need more for a quiet picture.
-const SAMPLES: usize = 3;
+const SAMPLES: usize = 2;
 
 /// Draws what the view sees, by the mode's paths.
 pub(super) fn draw(request: &Request, staged: &Staged, accel: &Accel) -> Picture {
@@ -34,11 +34,12 @@ pub(super) fn draw(request: &Request, staged: &Staged, accel: &Accel) -> Picture
     Picture { canvas, channels: ["R", "G", "B"].map(channel).into(), channel_width: width }
 }
 
-/// Where on the film a point of a pixel is. A scanner's film has its beams across; pictures have them downwards.
+/// Where on the film a point of a pixel is. A scanner's film has its beams across and its turn downwards, beginning where
+/// the view looks; pictures have the beams downwards, and the view's direction in the middle.
 pub(super) fn film_position(index: usize, width: usize, height: usize, offset: [f64; 2], mode: Mode) -> [f64; 2] {
     let x = ((index % width) as f64 + offset[0]) / width as f64;
     let y = ((index / width) as f64 + offset[1]) / height as f64;
-    if mode == Mode::Lidar { [y, x] } else { [x, y] }
+    if mode == Mode::Lidar { [y, (x + 0.5).fract()] } else { [x, y] }
 }
 
 /// Linear light as sRGB.
@@ -61,6 +62,6 @@ mod tests {
     #[test]
     fn the_middle_of_the_last_pixel() {
         assert_eq!(film_position(7, 4, 2, [0.5, 0.5], Mode::Primary), [0.875, 0.75]);
-        assert_eq!(film_position(7, 4, 2, [0.5, 0.5], Mode::Lidar), [0.75, 0.875]);
+        assert_eq!(film_position(7, 4, 2, [0.5, 0.5], Mode::Lidar), [0.75, 0.375]);
     }
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use clap::builder::styling::Style;
 use rdh::{Aabb, Vec3};
 use rdh_scene::formats::{mesh_files, read_file};
 use rdh_scene::{Note, Scene};
@@ -13,7 +12,7 @@ use serde::Serialize;
 use crate::context::Context;
 use crate::output::{print, print_json};
 use crate::pick::Shelf;
-use crate::table::{Cell, Table};
+use crate::table::{Cell, Table, short_coordinate};
 
 #[derive(Serialize)]
 struct Contents {
@@ -132,38 +131,33 @@ fn world_bounds(scene: &Scene) -> Option<([f64; 3], [f64; 3])> {
 
 fn contents_text(contents: &Contents, context: &Context) -> String {
     let columns =
-        ["file", ">geometries", ">instances", ">triangles", ">unique", ">zero area", ">seconds", "bounds", "notes"];
+        ["file", ">geometries", ">instances", ">triangles", ">unique", ">zero area", ">seconds", "bounds", "origin"];
     let mut table = Table::new(&columns);
     for file in &contents.files {
-        let [plain, faint] = [Style::new(), context.styles.faint];
         let numbers = [file.geometries, file.instances, file.triangles, file.unique_triangles, file.zero_area];
-        let mut row = vec![Cell::styled(&file.file, plain)];
+        let mut row = vec![Cell::from(&*file.file)];
         row.extend(numbers.map(|n| Cell::from(n.to_string())));
         row.push(format!("{:.3}", file.secs).into());
         row.push(bounds_text(file).into());
-        let notes: Vec<_> = file.notes.iter().map(|n| format!("{} {}", n.count, n.what)).collect();
-        row.push(Cell::styled(notes.join("; "), faint));
+        row.push(
+            if file.origin == [0.0; 3] { String::new() } else { file.origin.map(short_coordinate).join(" ") }.into(),
+        );
         table.push(row);
     }
-    table.text(context.styles.head)
+    let faint = context.styles.faint;
+    let line = |file: &Content| {
+        let notes: Vec<_> = file.notes.iter().map(|n| format!("{} {}", n.count, n.what)).collect();
+        format!("{}{}: {}{}\n", faint.render(), file.file, notes.join("; "), faint.render_reset())
+    };
+    let notes: String = contents.files.iter().filter(|file| !file.notes.is_empty()).map(line).collect();
+    let notes = if notes.is_empty() { notes } else { format!("\nNot used, or repaired:\n{notes}") };
+    table.text(context.styles.head) + &notes
 }
 
 fn bounds_text(file: &Content) -> String {
     let (Some(min), Some(max)) = (file.bounds_min, file.bounds_max) else { return "empty".to_owned() };
-    let side = |a: usize| format!("{}..{}", short(min[a]), short(max[a]));
+    let side = |a: usize| format!("{}..{}", short_coordinate(min[a]), short_coordinate(max[a]));
     [0, 1, 2].map(side).join(" ")
-}
-
-/// Six digits are more than enough to recognise a place.
-fn short(x: f64) -> String {
-    let digits = if x.abs() >= 1000.0 {
-        0
-    } else if x.abs() >= 10.0 {
-        1
-    } else {
-        3
-    };
-    format!("{x:.digits$}")
 }
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! From the plane of a slice to pixels.
 
+use std::ops::RangeInclusive;
+
 use rdh::Aabb;
 
 use super::Plane;
 use super::section::CutCell;
 use crate::args::Size;
-use crate::picture::{Canvas, ColourScale, Rect, Rgb};
+use crate::picture::{Canvas, ColourScale, Rgb};
 
 /// A map of the scene's box, seen along one axis, as large as fits into the size asked for.
 #[derive(Debug, Clone, Copy)]
@@ -44,40 +46,49 @@ impl Chart {
     pub(super) fn paint_cells(&self, canvas: &mut Canvas, cells: &[CutCell], scale: &ColourScale, side: Rgb) {
         let mut ink = vec![0.0f64; self.width * self.height];
         for cell in cells {
-            let rect = self.rect(cell);
+            let pixels = self.pixels(cell);
             if cell.triangles > 0 {
-                canvas.fill(rect, scale.colour(cell.triangles as f64));
+                self.fill(canvas, pixels.clone(), scale.colour(cell.triangles as f64));
             }
-            let strength = (rect.width.min(rect.height) as f64 / 8.0).clamp(0.15, 0.75);
-            self.outline(&mut ink, rect, strength);
+            self.outline(&mut ink, pixels);
         }
         for (i, &strength) in ink.iter().enumerate().filter(|(_, s)| **s > 0.0) {
             canvas.blend((i % self.width) as i64, (i / self.width) as i64, side, strength);
         }
     }
 
-    /// The pixels from the cell's lower sides to its upper ones; neighbours share the pixels of their common side.
-    fn rect(&self, cell: &CutCell) -> Rect {
+    /// The first and last columns and rows of a cell; neighbours share the pixels of their common side. Sides beyond the
+    /// picture are just beyond it.
+    fn pixels(&self, cell: &CutCell) -> [RangeInclusive<i64>; 2] {
         let (a, b) = (self.place([cell.low[0], cell.high[1]]), self.place([cell.high[0], cell.low[1]]));
-        let [x, y] = a.map(|x| x.round() as usize);
-        let [right, bottom] = b.map(|x| x.round() as usize);
-        Rect { x, y, width: right - x + 1, height: bottom - y + 1 }
+        let clamped = |x: f64, end: usize| x.round().clamp(-1.0, end as f64) as i64;
+        [(0, self.width), (1, self.height)].map(|(i, end)| clamped(a[i], end)..=clamped(b[i], end))
     }
 
-    fn outline(&self, ink: &mut [f64], rect: Rect, strength: f64) {
-        let mut mark = |x: usize, y: usize| {
-            if x < self.width && y < self.height {
-                let pixel = &mut ink[y * self.width + x];
+    fn fill(&self, canvas: &mut Canvas, [columns, rows]: [RangeInclusive<i64>; 2], colour: Rgb) {
+        for y in rows {
+            for x in columns.clone() {
+                canvas.blend(x, y, colour, 1.0);
+            }
+        }
+    }
+
+    fn outline(&self, ink: &mut [f64], [columns, rows]: [RangeInclusive<i64>; 2]) {
+        let smaller = (columns.end() - columns.start()).min(rows.end() - rows.start());
+        let strength = (smaller as f64 / 8.0).clamp(0.15, 0.75);
+        let mut mark = |x: i64, y: i64| {
+            if (0..self.width as i64).contains(&x) && (0..self.height as i64).contains(&y) {
+                let pixel = &mut ink[y as usize * self.width + x as usize];
                 *pixel = pixel.max(strength);
             }
         };
-        for x in rect.x..rect.x + rect.width {
-            mark(x, rect.y);
-            mark(x, rect.y + rect.height - 1);
+        for x in columns.clone() {
+            mark(x, *rows.start());
+            mark(x, *rows.end());
         }
-        for y in rect.y..rect.y + rect.height {
-            mark(rect.x, y);
-            mark(rect.x + rect.width - 1, y);
+        for y in rows {
+            mark(*columns.start(), y);
+            mark(*columns.end(), y);
         }
     }
 }
@@ -93,5 +104,16 @@ mod tests {
         assert_eq!((chart.width, chart.height), (412, 112));
         assert_eq!(chart.place([-1.0, 6.0]), [BORDER, BORDER]);
         assert_eq!(chart.place([3.0, 5.0]), [406.0, 106.0]);
+    }
+
+    #[test]
+    fn cells_beyond_the_picture_are_cut_off() {
+        let bounds = Aabb { min: [0.0; 3], max: [1.0; 3] };
+        let chart = Chart::new(&bounds, 2, Size { width: 20, height: 20 });
+        let all = CutCell { low: [-1e9; 2], high: [1e9; 2], triangles: 9 };
+        assert_eq!(chart.pixels(&all), [-1..=20, -1..=20]);
+        let mut canvas = Canvas::new(20, 20, Rgb(1, 2, 3));
+        chart.paint_cells(&mut canvas, &[all], &ColourScale::pale(9.0), Rgb(1, 2, 3));
+        assert!(canvas.pixels().iter().all(|p| *p == canvas.pixels()[0] && *p != Rgb(1, 2, 3)));
     }
 }

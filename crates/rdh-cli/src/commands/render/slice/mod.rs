@@ -20,10 +20,10 @@ use crate::staged::Staged;
 
 const CELL: Rgb = Rgb(70, 100, 140);
 const SURFACE: Pen = Pen { colour: Rgb(20, 22, 26), width: 1.4, alpha: 0.9 };
-const RAY: Pen = Pen { colour: Rgb(226, 88, 20), width: 1.0, alpha: 0.55 };
+const RAY: Pen = Pen { colour: Rgb(226, 88, 20), width: 0.9, alpha: 0.5 };
 const END: Rgb = Rgb(180, 30, 20);
 /// More rays than this hide what is below.
-const MOST_RAYS: usize = 250;
+const MOST_RAYS: usize = 150;
 
 /// A plane in the scene's own coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +43,9 @@ pub(super) fn draw(
     training: &Training,
 ) -> Result<Picture> {
     let plane = Plane::new(slice, staged)?;
-    let chart = Chart::new(&staged.stage.bounds(), plane.axis, request.size);
-    let rays = rays_near(training.samples(), &plane, &staged.stage.bounds(), MOST_RAYS);
+    let part = request.part_of(staged, plane.axis);
+    let chart = Chart::new(&part, plane.axis, request.size);
+    let rays = rays_near(training.samples(), &plane, &part, MOST_RAYS);
     let cells: Vec<_> = built.iter().map(|b| cut_cells(&b.accel, &plane)).collect();
     let scale = ColourScale::pale(common_end(&cells));
     let panel = |(b, cells): (&Built, &Vec<CutCell>)| {
@@ -105,8 +106,7 @@ fn draw_panel(
 }
 
 fn note(cells: &[CutCell], accel: &Accel) -> String {
-    let all = accel.stats().leaves;
-    format!("{} of {} cells cut", short_number(cells.len() as f64), short_number(all as f64))
+    format!("{} of {} cells cut", cells.len(), accel.stats().leaves)
 }
 
 /// A round number of triangles that all but one in 100 of the cells hold at most.
