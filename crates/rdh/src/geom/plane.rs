@@ -76,34 +76,57 @@ impl PlaneFrame {
         let origin = [ox * scale.factor(), oy * scale.factor(), oz * scale.factor()];
         let least = reach * shorten * Self::PARALLEL;
         let slack = RayFrame::slack(origin, magnitude);
-        let mut frame = Self {
-            origin,
-            inverse: [0.0; 3],
-            pad: [f32::MAX / 4.0; 3],
-            t_near: (f64::from(ray.t_min) * t_scale) as f32,
-            t_far: (f64::from(ray.t_max) * t_scale) as f32,
-            t_scale,
+        let (t_min, t_max) = if t_scale == 1.0 {
+            (ray.t_min, ray.t_max)
+        } else {
+            ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32)
         };
         if !(slack < Self::FAR / (1 << 21) as f32) {
-            frame.origin = [0.0; 3];
-            return frame;
+            return Self {
+                origin: [0.0; 3],
+                inverse: [0.0; 3],
+                pad: [f32::MAX / 4.0; 3],
+                t_near: t_min,
+                t_far: t_max,
+                t_scale,
+            };
         }
-        for a in 0..3 {
-            let d = ray.direction[a] * shorten;
-            let d = if d.abs() >= least { d } else { least.copysign(d) };
-            frame.inverse[a] = 1.0 / d;
-            frame.pad[a] = slack * frame.inverse[a].abs();
-            let t0 = (bounds.min[a] - origin[a]) * frame.inverse[a];
-            let t1 = (bounds.max[a] - origin[a]) * frame.inverse[a];
-            frame.t_near = larger(frame.t_near, smaller(t0, t1) - frame.pad[a]);
-            frame.t_far = smaller(frame.t_far, larger(t0, t1) + frame.pad[a]);
+        let ([dx, dy, dz], min, max) = (ray.direction, bounds.min, bounds.max);
+        let x = Slab::new(origin[0], dx * shorten, least, slack, (min[0], max[0]));
+        let y = Slab::new(origin[1], dy * shorten, least, slack, (min[1], max[1]));
+        let z = Slab::new(origin[2], dz * shorten, least, slack, (min[2], max[2]));
+        Self {
+            origin,
+            inverse: [x.inverse, y.inverse, z.inverse],
+            pad: [x.pad, y.pad, z.pad],
+            t_near: larger(larger(t_min, x.near), larger(y.near, z.near)),
+            t_far: smaller(smaller(t_max, x.far), smaller(y.far, z.far)),
+            t_scale,
         }
-        frame
     }
 
     /// The ray's `t` in this space.
     #[inline(always)]
     pub fn scaled_t(&self, t: f32) -> f32 {
         (f64::from(t) * self.t_scale) as f32
+    }
+}
+
+/// A ray against the two faces of a box across one axis.
+struct Slab {
+    inverse: f32,
+    pad: f32,
+    near: f32,
+    far: f32,
+}
+
+impl Slab {
+    #[inline(always)]
+    fn new(origin: f32, direction: f32, least: f32, slack: f32, (low, high): (f32, f32)) -> Self {
+        let direction = if direction.abs() >= least { direction } else { least.copysign(direction) };
+        let inverse = 1.0 / direction;
+        let pad = slack * inverse.abs();
+        let (t0, t1) = ((low - origin) * inverse, (high - origin) * inverse);
+        Self { inverse, pad, near: smaller(t0, t1) - pad, far: larger(t0, t1) + pad }
     }
 }
