@@ -11,6 +11,7 @@ use crate::camera::View;
 use crate::error::Result;
 use crate::generate;
 use crate::index::{self, Files};
+use crate::path::CameraPath;
 use crate::scene::{Kind, Scene};
 pub use embedded::embedded;
 pub use find::{find, split_view};
@@ -54,6 +55,17 @@ pub fn indexed(folder: &Path) -> Result<Vec<Entry>> {
 }
 
 impl Entry {
+    /// The camera paths through the scene; files have none.
+    ///
+    /// # Errors
+    /// What the generator says.
+    pub fn paths(&self) -> Result<Vec<CameraPath>> {
+        match &self.source {
+            Source::Generator(table) => generate::paths(table),
+            Source::Files(_) => Ok(Vec::new()),
+        }
+    }
+
     /// Reads or makes the scene at a frame (0 for the scene at rest).
     ///
     /// # Errors

@@ -6,9 +6,11 @@ pub mod error;
 pub mod formats;
 pub mod generate;
 pub mod index;
+pub mod path;
 pub mod scene;
 
 pub use camera::{Camera, View};
 pub use catalog::{Entry, Source};
 pub use error::{Error, Result};
+pub use path::CameraPath;
 pub use scene::{Flat, Geometry, Instance, Kind, Material, Note, PointLight, Scene, Transform};

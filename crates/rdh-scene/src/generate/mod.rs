@@ -6,12 +6,17 @@
 //! Positions come from `sin`, `cos` and `exp`, which may differ in their last bit between platforms; which parts there
 //! are, and how many, never depends on them. Everything is built from instances of few geometries.
 
+mod building;
+mod city;
+mod forest;
 mod noise;
 mod place;
+mod props;
 mod round;
 mod shape;
 mod spd;
 mod stage;
+mod terrain;
 mod text;
 mod vector;
 
@@ -22,6 +27,7 @@ use serde::de::DeserializeOwned;
 
 use crate::camera::View;
 use crate::error::{Error, Result};
+use crate::path::CameraPath;
 use crate::scene::Scene;
 pub use text::{format_call, parse_call};
 
@@ -38,6 +44,11 @@ pub(crate) trait Generator: fmt::Debug {
 
     /// Its views at any parameters in range; the first is the usual one.
     fn views(&self) -> Vec<View>;
+
+    /// Ways through it.
+    fn paths(&self) -> Vec<CameraPath> {
+        Vec::new()
+    }
 
     /// The scene at a frame, without views. Only called when the parameters are in range.
     fn scene(&self, frame: u32) -> Scene;
@@ -58,6 +69,10 @@ const GENERATORS: &[(&str, Read)] = &[
     ("teapot", read::<spd::Teapot>),
     ("tetra", read::<spd::Tetra>),
     ("tree", read::<spd::Tree>),
+    ("building", read::<building::Building>),
+    ("city", read::<city::City>),
+    ("forest", read::<forest::Forest>),
+    ("terrain", read::<terrain::Terrain>),
 ];
 
 /// The names of all generators.
@@ -80,6 +95,14 @@ pub fn make(table: &toml::Table, frame: u32) -> Result<Scene> {
 /// As [`make`].
 pub fn views(table: &toml::Table) -> Result<Vec<View>> {
     Ok(checked(table)?.views())
+}
+
+/// The camera paths through the scene that a table describes.
+///
+/// # Errors
+/// As [`make`].
+pub fn paths(table: &toml::Table) -> Result<Vec<CameraPath>> {
+    Ok(checked(table)?.paths())
 }
 
 /// Reads a table and refuses what is out of range or too large.
@@ -120,3 +143,6 @@ fn within(name: &str, value: u32, range: RangeInclusive<u32>) -> Result<()> {
     let (least, most) = range.into_inner();
     Err(Error::at(name, format!("{value} is out of range; {least} to {most} are possible")))
 }
+
+#[cfg(test)]
+mod tests;

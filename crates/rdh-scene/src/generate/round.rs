@@ -3,9 +3,10 @@
 //! The rule: a quarter of a circle is cut into `resolution` equal parts. A sphere has 8·resolution² triangles (an
 //! octahedron at resolution 1), a cylinder or cone without caps has 8·resolution. All vertices lie on the true surface.
 
-use super::place::quarter_exact;
+use super::place::{ball, between, quarter_exact, stretch};
 use super::shape::Shape;
 use super::vector::Point;
+use crate::scene::Transform;
 
 /// Triangles of a sphere.
 pub(crate) fn sphere_triangles(resolution: u32) -> u64 {
@@ -32,10 +33,10 @@ pub(crate) fn sphere(resolution: u32) -> Shape {
     }
     for k in 0..resolution {
         let (small, large) = (ring(first[k as usize], k), ring(first[k as usize + 1], k + 1));
-        belt(k, |s| small(s), |l| large(l), &mut |t| shape.triangles.push(t));
+        belt(k, small, large, &mut |t| shape.triangles.push(t));
         let below = (2 * resolution - k) as usize;
         let (small, large) = (ring(first[below], k), ring(first[below - 1], k + 1));
-        belt(k, |s| small(s), |l| large(l), &mut |[a, b, c]| shape.triangles.push([a, c, b]));
+        belt(k, small, large, &mut |[a, b, c]| shape.triangles.push([a, c, b]));
     }
     shape
 }
@@ -135,4 +136,35 @@ pub(crate) fn sheet(columns: u32, rows: u32, place: impl Fn(f64, f64) -> Point) 
         }
     }
     shape
+}
+
+impl Shape {
+    /// Adds a closed rod from one point to another.
+    pub(crate) fn rod(&mut self, from: Point, to: Point, radius: f64, resolution: u32) {
+        self.append(&drum(1.0, 1.0, resolution), &between(from, to, radius));
+    }
+
+    /// Adds a turned profile that stands upright at a place.
+    pub(crate) fn turned(&mut self, profile: &[[f64; 2]], at: Point, resolution: u32) {
+        self.append(&lathe(profile, resolution), &Transform::translation(at));
+    }
+
+    /// Adds a ball.
+    pub(crate) fn ball(&mut self, centre: Point, radius: f64, resolution: u32) {
+        self.append(&sphere(resolution), &ball(centre, radius));
+    }
+
+    /// Adds a box with round edges: a sphere pushed towards its corners.
+    pub(crate) fn pillow(&mut self, min: Point, max: Point, resolution: u32) {
+        let mut soft = sphere(resolution);
+        for p in &mut soft.positions {
+            let largest = p.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            // Between the sphere (0) and the cube (1).
+            *p = super::vector::lerp(*p, p.map(|x| x / largest), 0.62);
+        }
+        let half = [0, 1, 2].map(|a| (max[a] - min[a]) / 2.0);
+        let reach = soft.positions.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let middle = [0, 1, 2].map(|a| (max[a] + min[a]) / 2.0);
+        self.append(&soft, &Transform::translation(middle).after(&stretch(half.map(|x| x / reach))));
+    }
 }

@@ -23,12 +23,6 @@ impl Shape {
         self.positions.len() as u32 - 1
     }
 
-    /// Adds a triangle with corners of its own.
-    pub(crate) fn triangle(&mut self, corners: [Point; 3]) {
-        let t = corners.map(|p| self.vertex(p));
-        self.triangles.push(t);
-    }
-
     /// Adds a flat quadrilateral with corners of its own.
     pub(crate) fn quad(&mut self, corners: [Point; 4]) {
         let q = corners.map(|p| self.vertex(p));

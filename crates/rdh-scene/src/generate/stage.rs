@@ -53,11 +53,6 @@ impl Stage {
         self.0.lights.extend(positions.iter().map(|&position| PointLight { position }));
     }
 
-    /// How many lights there are.
-    pub(crate) fn light_count(&self) -> usize {
-        self.0.lights.len()
-    }
-
     /// The scene.
     pub(crate) fn finish(self) -> Scene {
         self.0
