@@ -35,7 +35,17 @@ fn table(call: &str) -> toml::Table {
 
 #[test]
 fn counts_stay_below_their_bounds() {
-    for call in SAMPLES {
+    let finest = [
+        "building(rooms_x=7,rooms_y=2,floors=1,detail=8)",
+        "building(rooms_x=7,rooms_y=2,floors=2,detail=5,seed=3)",
+        "building(rooms_x=40,rooms_y=2,floors=4,detail=1)",
+        "city(blocks_x=1,blocks_y=1,detail=6)",
+        "city(blocks_x=6,blocks_y=6,detail=4)",
+        "city(blocks_x=12,blocks_y=12,detail=1)",
+        "forest(trees=4,detail=4)",
+        "forest(trees=1000,detail=1)",
+    ];
+    for call in SAMPLES.iter().chain(&finest) {
         let most = read_table(&table(call)).unwrap().triangles_at_most();
         let count = make(&table(call), 0).unwrap().triangle_count() as f64;
         assert!(count <= most, "{call}: {count} > {most}");

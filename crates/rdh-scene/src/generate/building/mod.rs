@@ -60,7 +60,7 @@ impl Generator for Building {
         within("detail", self.detail, 1..=8)
     }
 
-    /// The fullest room, a meeting, was counted at each detail; a corridor's share and the walls come on top.
+    /// More than the fullest kind of room, its share of the corridor, and the walls have; tests compare it with counts.
     fn triangles_at_most(&self) -> f64 {
         let rooms = f64::from(self.rooms_x) * f64::from(self.rooms_y) * f64::from(self.floors);
         let detail = f64::from(self.detail);

@@ -157,6 +157,8 @@ fn roof(plan: &Plan) -> Shape {
     shape.block([low[0], high[1] - 0.2, z], high);
     shape.block([low[0], low[1] + 0.2, z], [low[0] + 0.2, high[1] - 0.2, high[2]]);
     shape.block([high[0] - 0.2, low[1] + 0.2, z], [high[0], high[1] - 0.2, high[2]]);
-    shape.block([0.8, 0.8, z], [WIDTH - 0.8, DEPTH - 1.2, z + 2.4]);
+    if plan.floors > 1 {
+        shape.block([0.8, 0.8, z], [WIDTH - 0.8, DEPTH - 1.2, z + 2.4]);
+    }
     shape
 }

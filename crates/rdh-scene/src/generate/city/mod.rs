@@ -53,7 +53,7 @@ impl Generator for City {
         within("detail", self.detail, 1..=6)
     }
 
-    /// A block's most, counted at each detail: four of the highest houses and its share of the streets.
+    /// More than four of the highest houses and a block's share of the streets have; tests compare it with counts.
     fn triangles_at_most(&self) -> f64 {
         let blocks = f64::from(self.blocks_x + 1) * f64::from(self.blocks_y + 1);
         let detail = f64::from(self.detail);

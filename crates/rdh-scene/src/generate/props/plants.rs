@@ -135,7 +135,7 @@ pub(crate) fn grass(radius: f64, blades: u32, dice: &mut Dice) -> Shape {
     shape
 }
 
-/// A pot, and the plant in it: arching leaves as strips of `2·r` parts.
+/// A pot, and the plant in it: arching leaves as strips of `2·r` parts, within 0.35 m of the middle.
 pub(crate) fn plant(leaves: u32, r: u32, dice: &mut Dice) -> (Shape, Shape) {
     let pot =
         [[0.0, 0.0], [0.12, 0.0], [0.17, 0.3], [0.185, 0.3], [0.185, 0.34], [0.16, 0.34], [0.15, 0.3], [0.0, 0.3]];
@@ -151,7 +151,7 @@ pub(crate) fn plant(leaves: u32, r: u32, dice: &mut Dice) -> (Shape, Shape) {
 /// A strip that rises from a pot's middle and droops outwards.
 fn arch(shape: &mut Shape, out: Point, length: f64, droop: f64, parts: u32) {
     let side = [-out[1], out[0], 0.0];
-    let at = |t: f64| add(mul(out, 0.03 + length * 0.7 * t), [0.0, 0.0, 0.3 + length * (1.1 * t - droop * t * t)]);
+    let at = |t: f64| add(mul(out, 0.03 + length * 0.28 * t), [0.0, 0.0, 0.3 + length * (1.1 * t - droop * t * t)]);
     let width = |t: f64| 0.07 * length * (t * (1.0 - t)).sqrt() + 0.004;
     let pair = |shape: &mut Shape, t: f64| [-1.0, 1.0].map(|s| shape.vertex(add(at(t), mul(side, s * width(t)))));
     let mut last = pair(shape, 0.0);
