@@ -1,7 +1,7 @@
 //! Procedural scenes of any size, the same on every machine for the same parameters.
 //!
 //! A generator is named by a table: `generator = "balls"`, and its parameters. To add one: a struct of parameters that
-//! implements [`Generator`], one row in [`GENERATORS`], and a TOML with its views in `scenes/`.
+//! implements `Generator`, one row in `GENERATORS`, and a TOML with its views in `scenes/`.
 //!
 //! Positions come from `sin`, `cos` and `exp`, which may differ in their last bit between platforms; which parts there
 //! are, and how many, never depends on them. Everything is built from instances of few geometries.
