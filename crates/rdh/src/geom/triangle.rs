@@ -63,6 +63,16 @@ impl RayFrame {
         }
     }
 
+    /// The depths along z, from the origin, between which all three corners' must reach for a triangle to be hit at a `t` of
+    /// the interval; a little wider than exact, for every rounding on the way.
+    #[inline(always)]
+    pub(crate) fn depths(&self) -> (f32, f32) {
+        let (a, b) = (self.t_min * self.direction_z, self.t_max * self.direction_z);
+        let (low, high) = if self.direction_z > 0.0 { (a, b) } else { (b, a) };
+        let wider = |x: f32| x.abs() * (1.0 / (1 << 20) as f32) + f32::MIN_POSITIVE;
+        (low - wider(low), high + wider(high))
+    }
+
     /// How far, in each coordinate, a hit may lie from the true triangle, for geometry inside `bounds`.
     ///
     /// `corner − origin` is off by at most 2⁻²⁴ of its size on each axis; the shear adds the rounding of the quotient,

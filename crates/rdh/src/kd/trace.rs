@@ -116,7 +116,7 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             return;
         }
         let mut frame = RayFrame::new(self.ray);
-        let lanes = K::frame(&frame);
+        let mut lanes = K::frame(&frame);
         let planes = Planes::new(&plane_frame);
         let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
         let nodes = tree.nodes();
@@ -146,7 +146,7 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             self.probe.leaf(count);
             if count > 0 {
                 let blocks = &tree.blocks[block as usize..];
-                match visit::<K, C>(tree, self.ray, &mut frame, &lanes, blocks, (lane, count), self.collector) {
+                match visit::<K, C>(tree, self.ray, &mut frame, &mut lanes, blocks, (lane, count), self.collector) {
                     Some(true) => end = plane_frame.scaled_t(frame.t_max).next_up(),
                     Some(false) => {}
                     None => return,
@@ -172,7 +172,7 @@ fn visit<K: Kernels, C: Collector>(
     tree: &KdTree,
     ray: &Ray,
     frame: &mut RayFrame,
-    lanes: &K::Frame,
+    lanes: &mut K::Frame,
     blocks: &[Block],
     (lane, count): (u32, u32),
     collector: &mut C,
@@ -193,8 +193,11 @@ fn visit<K: Kernels, C: Collector>(
                 continue;
             }
             let t_max = collector.take(hit, frame, || block.corners(i))?;
-            moved |= t_max < frame.t_max;
-            frame.t_max = t_max;
+            if t_max < frame.t_max {
+                frame.t_max = t_max;
+                K::shorten(lanes, frame);
+                moved = true;
+            }
         }
         left -= here;
         lane = 0;

@@ -24,6 +24,8 @@ pub(crate) struct Frame {
     k: [usize; 3],
     origin: [__m256; 3],
     shear: [__m256; 2],
+    /// The depths between which a hit must lie.
+    depths: [__m256; 2],
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter`, whose caller has made sure of AVX2; loads and stores
@@ -34,9 +36,11 @@ impl Kernels for Avx2 {
     #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
         let [kx, ky, kz] = frame.k;
+        let (nearest, farthest) = frame.depths();
         // SAFETY: see above.
         unsafe {
             Frame {
+                depths: [_mm256_set1_ps(nearest), _mm256_set1_ps(farthest)],
                 k: frame.k,
                 origin: [
                     _mm256_set1_ps(frame.origin[kx]),
@@ -45,6 +49,15 @@ impl Kernels for Avx2 {
                 ],
                 shear: [_mm256_set1_ps(frame.shear[0]), _mm256_set1_ps(frame.shear[1])],
             }
+        }
+    }
+
+    #[inline(always)]
+    fn shorten(lanes: &mut Frame, frame: &RayFrame) {
+        let (nearest, farthest) = frame.depths();
+        // SAFETY: see above.
+        unsafe {
+            lanes.depths = [_mm256_set1_ps(nearest), _mm256_set1_ps(farthest)];
         }
     }
 
@@ -64,7 +77,13 @@ impl Kernels for Avx2 {
                 _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero)),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero),
             );
-            !(_mm256_movemask_ps(_mm256_and_ps(negative, positive)) as u32) & 0xff
+            // A hit's depth lies between those of the corners. Minimum and maximum are safe: corners are finite, and where
+            // their differences overflow, so do the limits.
+            let [nearest, farthest] = frame.depths;
+            let before = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2), nearest);
+            let behind = _mm256_cmp_ps::<_CMP_GT_OQ>(_mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2), farthest);
+            let outside = _mm256_or_ps(_mm256_and_ps(negative, positive), _mm256_or_ps(before, behind));
+            !(_mm256_movemask_ps(outside) as u32) & 0xff
         }
     }
 
@@ -117,21 +136,21 @@ impl Kernels for Avx2 {
 
 // Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.
 
-/// Eight corners in the ray's frame: sheared x and y.
+/// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
-fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256) {
+fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
     let [kx, ky, kz] = frame.k;
     // SAFETY: as in `Avx2`; every row of a block is eight floats.
     unsafe {
         let z = _mm256_sub_ps(_mm256_loadu_ps(corner[kz].as_ptr()), frame.origin[2]);
         let x = _mm256_sub_ps(_mm256_loadu_ps(corner[kx].as_ptr()), frame.origin[0]);
         let y = _mm256_sub_ps(_mm256_loadu_ps(corner[ky].as_ptr()), frame.origin[1]);
-        (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)))
+        (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)), z)
     }
 }
 
 #[inline(always)]
-fn cross(a: (__m256, __m256), b: (__m256, __m256)) -> __m256 {
+fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
     // SAFETY: as in `Avx2`.
     unsafe { _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0)) }
 }

@@ -86,6 +86,9 @@ pub(crate) trait Kernels: Copy {
     /// Spreads a frame over the lanes.
     fn frame(frame: &RayFrame) -> Self::Frame;
 
+    /// Takes over a shortened interval of `t`.
+    fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
+
     /// Which lanes THE triangle test might accept: a bit a lane. Never misses one, may name a few too many.
     fn candidates(frame: &Self::Frame, block: &Block) -> u32;
 

@@ -16,16 +16,23 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
+    fn shorten(lanes: &mut RayFrame, frame: &RayFrame) {
+        *lanes = *frame;
+    }
+
+    #[inline(always)]
     fn candidates(frame: &RayFrame, block: &Block) -> u32 {
         let [kx, ky, kz] = frame.k;
-        let (mut x, mut y) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
+        let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
             for i in 0..LANES {
                 let z = block.corners[c][kz][i] - frame.origin[kz];
+                depth[c][i] = z;
                 x[c][i] = (block.corners[c][kx][i] - frame.origin[kx]) - frame.shear[0] * z;
                 y[c][i] = (block.corners[c][ky][i] - frame.origin[ky]) - frame.shear[1] * z;
             }
         }
+        let (nearest, farthest) = frame.depths();
         let mut mask = 0;
         for i in 0..LANES {
             let u = x[2][i] * y[1][i] - y[2][i] * x[1][i];
@@ -33,7 +40,10 @@ impl Kernels for Portable {
             let w = x[1][i] * y[0][i] - y[1][i] * x[0][i];
             // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing, and stay candidates.
             let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
-            mask |= u32::from(!outside) << i;
+            // A hit's depth lies between those of the corners.
+            let before = depth[0][i] < nearest && depth[1][i] < nearest && depth[2][i] < nearest;
+            let behind = depth[0][i] > farthest && depth[1][i] > farthest && depth[2][i] > farthest;
+            mask |= u32::from(!(outside || before || behind)) << i;
         }
         mask
     }
