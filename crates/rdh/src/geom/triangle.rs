@@ -63,14 +63,20 @@ impl RayFrame {
         }
     }
 
-    /// The depths along z, from the origin, between which all three corners' must reach for a triangle to be hit at a `t` of
-    /// the interval; a little wider than exact, for every rounding on the way.
+    /// What the depths of a triangle's corners along z say about a hit's `t`, which lies between theirs.
     #[inline(always)]
-    pub(crate) fn depths(&self) -> (f32, f32) {
-        let (a, b) = (self.t_min * self.direction_z, self.t_max * self.direction_z);
+    pub(crate) fn depths(&self) -> Depths {
+        // A `t` beyond f32's range is no hit.
+        let (t_min, t_max) = (larger(self.t_min, f32::MIN), smaller(self.t_max, f32::MAX));
+        let (a, b) = (t_min * self.direction_z, t_max * self.direction_z);
         let (low, high) = if self.direction_z > 0.0 { (a, b) } else { (b, a) };
-        let wider = |x: f32| x.abs() * (1.0 / (1 << 20) as f32) + f32::MIN_POSITIVE;
-        (low - wider(low), high + wider(high))
+        let (low_slack, high_slack) = (Depths::slack(low), Depths::slack(high));
+        Depths {
+            nearest: low - low_slack,
+            farthest: high + high_slack,
+            surely_from: low + low_slack,
+            surely_to: high - high_slack,
+        }
     }
 
     /// How far, in each coordinate, a hit may lie from the true triangle, for geometry inside `bounds`.
@@ -82,6 +88,27 @@ impl RayFrame {
     pub fn slack(origin: Vec3, magnitude: f32) -> f32 {
         let reach = larger(larger(origin[0].abs(), origin[1].abs()), origin[2].abs());
         (reach + magnitude) * (1.0 / (1 << 21) as f32)
+    }
+}
+
+/// Limits for the depths of a triangle's corners.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Depths {
+    /// With all corners before this there is no hit.
+    pub(crate) nearest: f32,
+    /// With all corners behind this there is no hit.
+    pub(crate) farthest: f32,
+    /// With all corners from here …
+    pub(crate) surely_from: f32,
+    /// … to here every crossing is a hit.
+    pub(crate) surely_to: f32,
+}
+
+impl Depths {
+    /// More than all roundings on the way from a limit of `t` to a depth.
+    #[inline(always)]
+    fn slack(x: f32) -> f32 {
+        x.abs() * (1.0 / (1 << 20) as f32) + f32::MIN_POSITIVE
     }
 }
 

@@ -16,7 +16,7 @@ impl KdTree {
     /// All faults of the tree over its mesh, at most 100: links, depth, planes inside their cells, ids and copies of triangles, and
     /// that no triangle is missing from a cell it reaches into. O(references · depth).
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
-        let mut check = Check { tree: self, mesh, faults: Vec::new(), seen: vec![false; self.nodes().len() / 2] };
+        let mut check = Check { tree: self, mesh, faults: Vec::new(), seen: vec![false; self.pairs().len()] };
         check.structure();
         if check.faults.is_empty() {
             check.completeness();
@@ -65,7 +65,7 @@ impl Check<'_> {
     }
 
     fn child(&self, pair: u32, side: usize) -> Node {
-        self.tree.nodes()[2 * pair as usize + side]
+        self.tree.pairs()[pair as usize][side]
     }
 
     /// Each pair has one parent, so the links make a tree.

@@ -21,7 +21,7 @@ impl Costs {
     pub fn of(leaf: LeafWidth) -> Self {
         match leaf {
             LeafWidth::One => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf },
-            LeafWidth::Eight => Self { traverse: 1.0, intersect: 1.25, empty_bonus: 0.1, leaf },
+            LeafWidth::Eight => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf },
         }
     }
 

@@ -97,7 +97,7 @@ impl<F: Fn(u32) -> [Vec3; 3]> Layout<'_, F> {
             return Ok(());
         };
         let pair = self.pairs;
-        if 2 * pair as u64 + 1 > u64::from(Node::MAX_LINK) {
+        if pair as u64 > u64::from(Node::MAX_LINK) {
             return Err(Error::OverBudget { what: "nodes", limit: Node::MAX_LINK as usize });
         }
         self.pairs += 1;

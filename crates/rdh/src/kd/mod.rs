@@ -119,9 +119,9 @@ impl KdTree {
         self.root
     }
 
-    /// All other nodes, in pairs.
+    /// All other nodes, left and right children side by side.
     #[inline(always)]
-    pub fn nodes(&self) -> &[Node] {
+    pub fn pairs(&self) -> &[[Node; 2]] {
         bytemuck::cast_slice(&self.lines)
     }
 
@@ -159,7 +159,7 @@ impl KdTree {
             match node.kind() {
                 NodeKind::Interior { axis, split, pair } => {
                     let (left, right) = cell.split(axis, split);
-                    let [l, r] = [0, 1].map(|side| self.nodes()[2 * pair as usize + side]);
+                    let [l, r] = self.pairs()[pair as usize];
                     todo.extend([(r, right, depth + 1), (l, left, depth + 1)]);
                 }
                 NodeKind::Leaf { block, lane, count } => {

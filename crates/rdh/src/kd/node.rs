@@ -1,7 +1,7 @@
 //! The 8-byte node. Plain data: saving a tree is writing its nodes.
 //!
 //! ```text
-//! interior:  split plane f32   | left child << 2 | axis (0, 1, 2)   the right child is the next node; the left one is even
+//! interior:  split plane f32   | pair << 2 | axis (0, 1, 2)     pair: index of the two children, which lie side by side
 //! leaf:      lane << 28 | count| block << 2 | 3                 block, lane: where its first triangle is
 //! ```
 //! A leaf's triangles lie in consecutive lanes of consecutive blocks; one of up to eight never crosses a block's end.
@@ -40,15 +40,15 @@ pub enum NodeKind {
 }
 
 impl Node {
-    /// The largest node or block index.
+    /// The largest pair or block index.
     pub(crate) const MAX_LINK: u32 = (1 << 30) - 1;
     /// The most triangles of a leaf.
     pub(crate) const MAX_COUNT: u32 = (1 << 28) - 1;
 
     /// An interior node.
     pub(crate) fn interior(axis: Axis, split: f32, pair: u32) -> Self {
-        debug_assert!(pair <= Self::MAX_LINK / 2);
-        Self { data: split.to_bits(), link: pair << 3 | axis as u32 }
+        debug_assert!(pair <= Self::MAX_LINK);
+        Self { data: split.to_bits(), link: pair << 2 | axis as u32 }
     }
 
     /// A leaf.
@@ -69,9 +69,9 @@ impl Node {
         f32::from_bits(self.data)
     }
 
-    /// The left child of an interior node; the right one is the next.
+    /// The pair of children of an interior node.
     #[inline(always)]
-    pub(crate) fn left_child(self) -> u32 {
+    pub(crate) fn pair(self) -> u32 {
         self.link >> 2
     }
 
@@ -89,11 +89,9 @@ impl Node {
                 let (block, lane, count) = self.triangles();
                 NodeKind::Leaf { block, lane, count }
             }
-            a => NodeKind::Interior {
-                axis: Axis::ALL[a as usize],
-                split: f32::from_bits(self.data),
-                pair: self.link >> 3,
-            },
+            a => {
+                NodeKind::Interior { axis: Axis::ALL[a as usize], split: f32::from_bits(self.data), pair: self.pair() }
+            }
         }
     }
 }

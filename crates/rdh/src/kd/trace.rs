@@ -5,7 +5,10 @@
 //! accepts lies elsewhere (the argument stands in `geom/triangle.rs`). What is visited ends where the best hit so far
 //! is nearer than anything in the cell: a hit found in a cell may lie outside of it, and counts all the same.
 
+use std::hint::select_unpredictable;
+
 use super::KdTree;
+use super::node::Node;
 use crate::geom::{Hit, PlaneFrame, Ray, RayFrame, TriId, hit_triangle, larger, owns_crossing, smaller};
 use crate::mem::Stack;
 use crate::probe::Probe;
@@ -15,6 +18,13 @@ use super::stop::StopRule;
 
 /// What becomes of hits.
 pub(crate) trait Collector {
+    /// Whether any hit will do, whatever it is: then the test itself can be spared where its outcome is certain.
+    const ANY: bool = false;
+
+    /// Learns that there is a hit, where any will do.
+    #[inline(always)]
+    fn certain(&mut self) {}
+
     /// Takes a hit; returns the largest `t` that is still of interest, or nothing if the ray is done.
     fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32>;
 }
@@ -38,6 +48,13 @@ impl Collector for Closest {
 pub(crate) struct Any(pub(crate) bool);
 
 impl Collector for Any {
+    const ANY: bool = true;
+
+    #[inline(always)]
+    fn certain(&mut self) {
+        self.0 = true;
+    }
+
     #[inline(always)]
     fn take(&mut self, _hit: Hit, _frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
         self.0 = true;
@@ -69,7 +86,7 @@ pub(crate) struct Walk<'a, P, C> {
 /// A subtree to be visited, and the part of the ray that is in it.
 #[derive(Clone, Copy)]
 struct Entry {
-    node: u32,
+    node: Node,
     t_near: f32,
     t_far: f32,
 }
@@ -82,9 +99,8 @@ struct Planes {
     inverse: [f32; 4],
     enters: [f32; 4],
     leaves: [f32; 4],
-    /// A bit an axis: 1 where the ray runs down the axis and meets the right child first. Shifting it is shorter than
-    /// looking it up, and lies on the way from a node to the next one.
-    near_sides: u32,
+    /// A bit an axis: 1 where the ray runs down the axis and meets the right child first.
+    down: u32,
 }
 
 impl Planes {
@@ -96,7 +112,7 @@ impl Planes {
             inverse: [x, y, z, 0.0],
             enters: [sx - px, sy - py, sz - pz, 0.0],
             leaves: [sx + px, sy + py, sz + pz, 0.0],
-            near_sides: x.to_bits() >> 31 | y.to_bits() >> 31 << 1 | z.to_bits() >> 31 << 2,
+            down: x.to_bits() >> 31 | y.to_bits() >> 31 << 1 | z.to_bits() >> 31 << 2,
         }
     }
 }
@@ -119,7 +135,7 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
         let mut lanes = K::frame(&frame);
         let planes = Planes::new(&plane_frame);
         let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
-        let nodes = tree.nodes();
+        let pairs = tree.pairs();
         let mut node = tree.root;
         // The end of interest in the tree's own `t`.
         let mut end = f32::INFINITY;
@@ -129,15 +145,18 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
                 self.probe.interior();
                 let along = node.split() * planes.inverse[a];
                 let (far_from, near_until) = (along + planes.enters[a], along + planes.leaves[a]);
-                let near = node.left_child() | (planes.near_sides >> a & 1);
+                // Both children are fetched before the side is known: the way from node to node is what takes the time.
+                let [left, right] = pairs[node.pair() as usize];
+                let down = planes.down & (1 << a) != 0;
+                let near = select_unpredictable(down, right, left);
+                let far = select_unpredictable(down, left, right);
                 if far_from > t_far {
-                    node = nodes[near as usize];
+                    node = near;
                 } else if near_until < t_near {
-                    node = nodes[(near ^ 1) as usize];
+                    node = far;
                 } else {
-                    let far = Entry { node: near ^ 1, t_near: larger(far_from, t_near), t_far };
-                    stack.push(far);
-                    node = nodes[near as usize];
+                    stack.push(Entry { node: far, t_near: larger(far_from, t_near), t_far });
+                    node = near;
                     t_far = smaller(near_until, t_far);
                 }
                 continue;
@@ -159,7 +178,7 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
                     Some(entry) => break entry,
                 }
             };
-            node = nodes[entry.node as usize];
+            node = entry.node;
             t_near = entry.t_near;
             t_far = smaller(entry.t_far, end);
         }
@@ -183,7 +202,12 @@ fn visit<K: Kernels, C: Collector>(
     for block in blocks {
         let here = left.min(LANES as u32 - lane);
         let wanted = ((1u32 << here) - 1) << lane;
-        let mut candidates = K::candidates(lanes, block) & wanted;
+        let sifted = K::sift(lanes, block);
+        if C::ANY && sifted.certain & wanted != 0 && tree.masks.is_none() {
+            collector.certain();
+            return None;
+        }
+        let mut candidates = sifted.possible & wanted;
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;

@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::{Block, Job, Kernels};
-use crate::geom::RayFrame;
+use super::{Block, Job, Kernels, Sifted};
+use crate::geom::{Depths, RayFrame};
 
 /// Runs a job with AVX2.
 ///
@@ -24,8 +24,16 @@ pub(crate) struct Frame {
     k: [usize; 3],
     origin: [__m256; 3],
     shear: [__m256; 2],
-    /// The depths between which a hit must lie.
-    depths: [__m256; 2],
+    limits: Limits,
+}
+
+/// [`Depths`] in registers.
+#[derive(Clone, Copy)]
+struct Limits {
+    nearest: __m256,
+    farthest: __m256,
+    surely_from: __m256,
+    surely_to: __m256,
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter`, whose caller has made sure of AVX2; loads and stores
@@ -36,11 +44,10 @@ impl Kernels for Avx2 {
     #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
         let [kx, ky, kz] = frame.k;
-        let (nearest, farthest) = frame.depths();
         // SAFETY: see above.
         unsafe {
             Frame {
-                depths: [_mm256_set1_ps(nearest), _mm256_set1_ps(farthest)],
+                limits: spread(&frame.depths()),
                 k: frame.k,
                 origin: [
                     _mm256_set1_ps(frame.origin[kx]),
@@ -54,36 +61,43 @@ impl Kernels for Avx2 {
 
     #[inline(always)]
     fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        let (nearest, farthest) = frame.depths();
-        // SAFETY: see above.
-        unsafe {
-            lanes.depths = [_mm256_set1_ps(nearest), _mm256_set1_ps(farthest)];
-        }
+        lanes.limits = spread(&frame.depths());
     }
 
     #[inline(always)]
-    fn candidates(frame: &Frame, block: &Block) -> u32 {
+    fn sift(frame: &Frame, block: &Block) -> Sifted {
         let (p0, p1, p2) =
             (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
         let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
         // SAFETY: see above.
         unsafe {
             let zero = _mm256_setzero_ps();
-            let negative = _mm256_or_ps(
-                _mm256_or_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_LT_OQ>(v, zero)),
-                _mm256_cmp_ps::<_CMP_LT_OQ>(w, zero),
+            let (u_below, u_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(u, zero));
+            let (v_below, v_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(v, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero));
+            let (w_below, w_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(w, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero));
+            let outside = _mm256_and_ps(
+                _mm256_or_ps(_mm256_or_ps(u_below, v_below), w_below),
+                _mm256_or_ps(_mm256_or_ps(u_above, v_above), w_above),
             );
-            let positive = _mm256_or_ps(
-                _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero)),
-                _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero),
+            let inside = _mm256_or_ps(
+                _mm256_and_ps(_mm256_and_ps(u_below, v_below), w_below),
+                _mm256_and_ps(_mm256_and_ps(u_above, v_above), w_above),
             );
-            // A hit's depth lies between those of the corners. Minimum and maximum are safe: corners are finite, and where
-            // their differences overflow, so do the limits.
-            let [nearest, farthest] = frame.depths;
-            let before = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2), nearest);
-            let behind = _mm256_cmp_ps::<_CMP_GT_OQ>(_mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2), farthest);
-            let outside = _mm256_or_ps(_mm256_and_ps(negative, positive), _mm256_or_ps(before, behind));
-            !(_mm256_movemask_ps(outside) as u32) & 0xff
+            // A hit's depth lies between those of the corners.
+            let first = _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2);
+            let last = _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2);
+            let beyond = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
+                _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
+            );
+            let within = _mm256_and_ps(
+                _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.surely_from),
+                _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.surely_to),
+            );
+            Sifted {
+                possible: !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & 0xff,
+                certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32,
+            }
         }
     }
 
@@ -131,6 +145,19 @@ impl Kernels for Avx2 {
             _mm256_storeu_si256(out.as_mut_ptr().cast(), bins);
         }
         out
+    }
+}
+
+#[inline(always)]
+fn spread(limits: &Depths) -> Limits {
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        Limits {
+            nearest: _mm256_set1_ps(limits.nearest),
+            farthest: _mm256_set1_ps(limits.farthest),
+            surely_from: _mm256_set1_ps(limits.surely_from),
+            surely_to: _mm256_set1_ps(limits.surely_to),
+        }
     }
 }
 

@@ -78,6 +78,15 @@ pub(crate) trait Job {
     fn run<K: Kernels>(self) -> Self::Output;
 }
 
+/// What a block's lanes have to do with a ray: a bit a lane.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sifted {
+    /// THE triangle test might accept them. None is missing, a few may be too many.
+    pub(crate) possible: u32,
+    /// THE triangle test accepts them.
+    pub(crate) certain: u32,
+}
+
 /// What an instruction set must offer. Implementations are `#[inline(always)]`.
 pub(crate) trait Kernels: Copy {
     /// A ray's frame, spread over the lanes.
@@ -89,8 +98,8 @@ pub(crate) trait Kernels: Copy {
     /// Takes over a shortened interval of `t`.
     fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
 
-    /// Which lanes THE triangle test might accept: a bit a lane. Never misses one, may name a few too many.
-    fn candidates(frame: &Self::Frame, block: &Block) -> u32;
+    /// Which lanes THE triangle test might accept, and which it surely does.
+    fn sift(frame: &Self::Frame, block: &Block) -> Sifted;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);

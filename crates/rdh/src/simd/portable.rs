@@ -1,7 +1,7 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
-use super::{Block, Kernels, LANES};
-use crate::geom::RayFrame;
+use super::{Block, Kernels, LANES, Sifted};
+use crate::geom::{RayFrame, larger, smaller};
 
 /// Plain loops.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
-    fn candidates(frame: &RayFrame, block: &Block) -> u32 {
+    fn sift(frame: &RayFrame, block: &Block) -> Sifted {
         let [kx, ky, kz] = frame.k;
         let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
@@ -32,20 +32,24 @@ impl Kernels for Portable {
                 y[c][i] = (block.corners[c][ky][i] - frame.origin[ky]) - frame.shear[1] * z;
             }
         }
-        let (nearest, farthest) = frame.depths();
-        let mut mask = 0;
+        let limits = frame.depths();
+        let mut sifted = Sifted { possible: 0, certain: 0 };
         for i in 0..LANES {
             let u = x[2][i] * y[1][i] - y[2][i] * x[1][i];
             let v = x[0][i] * y[2][i] - y[0][i] * x[2][i];
             let w = x[1][i] * y[0][i] - y[1][i] * x[0][i];
-            // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing, and stay candidates.
+            // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing.
             let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+            let inside = (u < 0.0 && v < 0.0 && w < 0.0) || (u > 0.0 && v > 0.0 && w > 0.0);
             // A hit's depth lies between those of the corners.
-            let before = depth[0][i] < nearest && depth[1][i] < nearest && depth[2][i] < nearest;
-            let behind = depth[0][i] > farthest && depth[1][i] > farthest && depth[2][i] > farthest;
-            mask |= u32::from(!(outside || before || behind)) << i;
+            let z = [depth[0][i], depth[1][i], depth[2][i]];
+            let (first, last) = (smaller(smaller(z[0], z[1]), z[2]), larger(larger(z[0], z[1]), z[2]));
+            let beyond = last < limits.nearest || first > limits.farthest;
+            let within = first > limits.surely_from && last < limits.surely_to;
+            sifted.possible |= u32::from(!(outside || beyond)) << i;
+            sifted.certain |= u32::from(inside && within) << i;
         }
-        mask
+        sifted
     }
 
     #[inline(always)]
