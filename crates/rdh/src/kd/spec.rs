@@ -54,7 +54,7 @@ pub enum Prune {
 pub enum Stop {
     /// When no split is cheaper than the leaf.
     Cost,
-    /// After a few splits in a row that don't pay: a later one may. Recommended, with pruning.
+    /// After two splits in a row that don't pay: the second one may. Recommended, with pruning.
     #[default]
     Auto,
     /// Havran and Bittner 2002: depth 1.2 log2 N + 2, and 1 + 0.2 · depth failed splits, where a split fails if it does not

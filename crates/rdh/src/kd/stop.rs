@@ -25,7 +25,7 @@ impl StopRule {
         let log2 = |x: usize| f64::from(x.max(1).ilog2());
         let (default_depth, max_failures) = match stop {
             Stop::Cost => (8.0 + 1.3 * log2(n), 0),
-            Stop::Auto => (8.0 + 1.3 * log2(n), 3),
+            Stop::Auto => (8.0 + 1.3 * log2(n), 1),
             Stop::Paper => {
                 let depth = 1.2 * log2(n) + 2.0;
                 (depth, (1.0 + 0.2 * depth) as u32)
