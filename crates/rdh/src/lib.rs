@@ -33,3 +33,8 @@ pub use options::BuildOptions;
 pub use probe::{Counts, Probe};
 pub use rays::{HeldOut, Profile, Query, RayClass, RaySample, Recorder, Training, Unseen};
 pub use spec::{Spec, StructureSpec};
+
+/// The README's example, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

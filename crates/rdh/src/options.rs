@@ -11,7 +11,8 @@ pub struct BuildOptions<'a> {
     /// At most so many bytes for the finished structure. Subtrees that would need more become leaves; if even
     /// a single leaf needs more, the build fails.
     pub max_bytes: Option<usize>,
-    /// At most so many levels; `None` is 1.3 log2 N + 8, never more than 64.
+    /// At most so many levels; `None` is what the stop rule says (1.3 log2 N + 8, or 1.2 log2 N + 2 for `stop=paper`),
+    /// never more than 64.
     pub max_depth: Option<usize>,
     /// Called now and then with the finished part of the work, 0 to 1; from any thread.
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,

@@ -147,10 +147,16 @@ fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
 }
 
 fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
-    let mut rdh = RdhSpec::default();
+    let given = |key: &str| part.parameters.iter().any(|(k, _)| *k == key);
+    if given("prior") && (given("weight") || given("blend")) {
+        return Err("prior belongs to another blend than weight and blend=paper: give one of them".to_owned());
+    }
+    // What the others refine comes first, wherever it stands.
+    let mut rdh = if given("paper") { RdhSpec::PAPER } else { RdhSpec::default() };
     for &(key, value) in &part.parameters {
         match (key, value) {
-            ("paper", "") => rdh = RdhSpec::PAPER,
+            ("paper", "") => {}
+            ("blend", "paper") if given("weight") => {}
             ("blend", "paper") => rdh.blend = RdhSpec::PAPER.blend,
             ("weight", _) => rdh.blend = Blend::Paper { weight: number(key, value, 0.0, 1.0)? },
             ("prior", _) => rdh.blend = Blend::Confidence { prior: number(key, value, 0.0, 1e9)? },
@@ -207,7 +213,11 @@ impl<'a> Part<'a> {
         };
         let inner = rest.strip_suffix(')').ok_or_else(|| format!("'{text}' lacks its closing bracket"))?;
         let pair = |p: &'a str| p.split_once('=').map_or((p.trim(), ""), |(k, v)| (k.trim(), v.trim()));
-        let parameters = inner.split(',').filter(|p| !p.trim().is_empty()).map(pair).collect();
+        let parameters: Vec<_> = inner.split(',').filter(|p| !p.trim().is_empty()).map(pair).collect();
+        let twice = parameters.iter().enumerate().find(|(i, (key, _))| parameters[..*i].iter().any(|(k, _)| k == key));
+        if let Some((_, (key, _))) = twice {
+            return Err(format!("'{key}' is given twice"));
+        }
         Ok(Self { name: name.trim(), parameters })
     }
 }
@@ -271,6 +281,8 @@ mod tests {
             ("kd+rdh(paper)", "kd+rdh(paper)"),
             ("kd+rdh(rays=whole,blend=paper)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
+            ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
+            ("kd+rdh(weight=0.5,blend=paper,rays=whole)", "kd+rdh(paper,weight=0.5)"),
             ("kd(stop=paper, prune=none)+rdh(prior=2.5,cap=100)", "kd(prune=none,stop=paper)+rdh(prior=2.5,cap=100)"),
         ] {
             let spec: Spec = text.parse().unwrap();

@@ -17,7 +17,7 @@ fn uniform_lines(bounds: &Aabb, n: usize, seed: u64) -> Vec<Ray> {
     while lines.len() < n {
         let d = random.vector();
         let square: f32 = d.iter().map(|x| x * x).sum();
-        if square > 1.0 || square < 1e-3 {
+        if !(1e-3..=1.0).contains(&square) {
             continue;
         }
         let d = unit(d);

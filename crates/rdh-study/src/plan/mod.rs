@@ -54,7 +54,7 @@ pub struct Case {
 }
 
 impl Default for Plan {
-    /// What `interface.md` of the program promises: 512 × 512 test rays, 16,384 training rays, the three default specs.
+    /// 512 × 512 test rays, 16,384 training rays, the three default specs.
     fn default() -> Self {
         Self {
             targets: Vec::new(),

@@ -81,7 +81,7 @@ impl PlaneFrame {
         } else {
             ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32)
         };
-        if !(slack < Self::FAR / (1 << 21) as f32) {
+        if slack >= Self::FAR / (1 << 21) as f32 {
             return Self {
                 origin: [0.0; 3],
                 inverse: [0.0; 3],

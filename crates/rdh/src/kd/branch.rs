@@ -1,6 +1,7 @@
 //! The tree while it grows: nodes in the order in which they are finished, children before parents.
 
-use crate::error::Result;
+use super::node::Node;
+use crate::error::{Error, Result};
 use crate::geom::Axis;
 use crate::mem::reserve;
 
@@ -36,6 +37,8 @@ impl Branches {
     /// Adds a leaf.
     pub(crate) fn leaf(&mut self, ids: impl ExactSizeIterator<Item = u32>) -> Result<u32> {
         let (first, count) = (self.ids.len() as u32, ids.len() as u32);
+        Self::limit("triangles of a leaf", ids.len(), Node::MAX_COUNT as usize)?;
+        Self::limit("references", self.ids.len() + ids.len(), u32::MAX as usize)?;
         reserve(&mut self.ids, ids.len(), "leaf references")?;
         self.ids.extend(ids);
         self.push(Branch::Leaf { first, count })
@@ -43,9 +46,15 @@ impl Branches {
 
     /// Adds a node.
     pub(crate) fn push(&mut self, branch: Branch) -> Result<u32> {
+        Self::limit("nodes", self.nodes.len() + 1, u32::MAX as usize)?;
         reserve(&mut self.nodes, 1, "nodes")?;
         self.nodes.push(branch);
         Ok(self.nodes.len() as u32 - 1)
+    }
+
+    /// Indices have 32 bits, and a leaf's count has 28.
+    fn limit(what: &'static str, count: usize, limit: usize) -> Result<()> {
+        if count > limit { Err(Error::OverBudget { what, limit }) } else { Ok(()) }
     }
 
     /// Replaces all nodes since `mark` by one leaf with all their primitives, each once; returns it and their number.
@@ -67,6 +76,8 @@ impl Branches {
 
     /// Adds another part's nodes; returns by how much their indices have grown.
     pub(crate) fn append(&mut self, other: &Self) -> Result<u32> {
+        Self::limit("nodes", self.nodes.len() + other.nodes.len(), u32::MAX as usize)?;
+        Self::limit("references", self.ids.len() + other.ids.len(), u32::MAX as usize)?;
         let (shift, ids) = (self.nodes.len() as u32, self.ids.len() as u32);
         reserve(&mut self.nodes, other.nodes.len(), "nodes")?;
         reserve(&mut self.ids, other.ids.len(), "leaf references")?;

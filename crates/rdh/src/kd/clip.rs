@@ -63,7 +63,7 @@ fn cut_edge(p: &Vec3, q: &Vec3, a: usize, plane: f32) -> Aabb {
     for b in 0..3 {
         let x = f64::from(p[b]) + s * (f64::from(q[b]) - f64::from(p[b]));
         // f64's own error is 2⁻²⁹ of an f32 step of the larger end, but a cut near 0 between large ends has finer steps.
-        let error = f64::from(p[b].abs().max(q[b].abs())) * 1e-15;
+        let error = f64::from(p[b].abs().max(q[b].abs())) * 2e-15;
         cut.min[b] = round_down(x - error);
         cut.max[b] = round_up(x + error);
     }

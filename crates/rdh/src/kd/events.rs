@@ -1,4 +1,5 @@
-//! Candidate planes of a node, with how many references lie on each side: at every bound (exact) or at the borders of bins.
+//! Candidate planes of a node, with how many references lie on each side: at every bound (exact), or at
+//! the outermost bounds in each bin.
 
 use super::radix;
 use super::reference::Reference;

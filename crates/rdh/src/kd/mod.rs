@@ -60,7 +60,7 @@ pub struct KdTree {
 const BYTES_PER_REFERENCE: usize = 96;
 
 impl KdTree {
-    /// Builds a tree over a mesh. O(N log N) for binned and exact splits alike.
+    /// Builds a tree over a mesh: O(N log N); with R rays another O(R log R) a level.
     ///
     /// # Errors
     /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].

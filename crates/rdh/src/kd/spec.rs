@@ -30,7 +30,7 @@ pub enum LeafWidth {
 pub enum SplitSearch {
     /// At every bound of every clipped triangle: the best plane, O(N log N).
     Exact,
-    /// At equidistant planes in large nodes, exactly in small ones: 2–5 times as fast to build. Recommended.
+    /// At the bounds that bins find in large nodes, at all bounds in small ones: nearly as good and faster. Recommended.
     #[default]
     Binned,
 }
@@ -54,10 +54,10 @@ pub enum Prune {
 pub enum Stop {
     /// When no split is cheaper than the leaf.
     Cost,
-    /// After two splits in a row that don't pay: the second one may. Recommended, with pruning.
+    /// After two splits on the way down that don't pay: the second one may. Recommended, with pruning.
     #[default]
     Auto,
-    /// Havran and Bittner 2002: depth 1.2 log2 N + 2, and 1 + 0.2 · depth failed splits, where a split fails if it does not
+    /// Havran and Bittner 2002: depth 1.2 log2 N + 2, and 1 + 0.2 · depth failed splits on the way down, where a split fails if it does not
     /// bring the cost below 0.75 of the leaf's.
     Paper,
 }

@@ -9,7 +9,7 @@ pub(crate) struct StopRule {
     stop: Stop,
     /// No node lies deeper.
     pub(crate) max_depth: u32,
-    /// So many failed splits in a row are borne.
+    /// So many failed splits on the way down are borne.
     max_failures: u32,
 }
 

@@ -59,7 +59,7 @@ pub fn mixed(mesh: &Mesh, n: usize, seed: u64) -> Vec<Ray> {
 }
 
 fn one(mesh: &Mesh, bounds: &rdh::Aabb, i: usize, random: &mut Random) -> Ray {
-    let mut inside = |r: &mut Random| [0, 1, 2].map(|a: usize| r.between(bounds.min[a], bounds.max[a]));
+    let inside = |r: &mut Random| [0, 1, 2].map(|a: usize| r.between(bounds.min[a], bounds.max[a]));
     let (p, q) = (inside(random), inside(random));
     let ray = match i % 6 {
         0 => Ray::new(p, [0, 1, 2].map(|a| q[a] - p[a])),
