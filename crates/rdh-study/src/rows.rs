@@ -151,7 +151,7 @@ pub struct Mismatch {
     pub rays: u64,
     /// The first of them: its index in the batch.
     pub first_ray: usize,
-    /// That ray as `[ox, oy, oz, dx, dy, dz, t_min, t_max]`; bits for bits what was cast.
+    /// That ray as `[ox, oy, oz, dx, dy, dz]`, bit for bit what was cast.
     pub ray: [f32; 6],
     /// The last `t` that counted for it; null if unlimited.
     pub t_max: Option<f32>,

@@ -279,10 +279,10 @@ mod tests {
             ("rdh", "kd+rdh"),
             ("kd(leaf=8,split=binned)+rdh(prior=16)", "kd+rdh"),
             ("kd+rdh(paper)", "kd+rdh(paper)"),
-            ("kd+rdh(rays=whole,blend=paper)", "kd+rdh(paper)"),
+            ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
-            ("kd+rdh(weight=0.5,blend=paper,rays=whole)", "kd+rdh(paper,weight=0.5)"),
+            ("kd+rdh(weight=0.5,blend=paper,rays=whole,cap=0)", "kd+rdh(paper,weight=0.5)"),
             ("kd(stop=paper, prune=none)+rdh(prior=2.5,cap=100)", "kd(prune=none,stop=paper)+rdh(prior=2.5,cap=100)"),
         ] {
             let spec: Spec = text.parse().unwrap();

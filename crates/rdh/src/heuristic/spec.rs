@@ -62,6 +62,6 @@ impl RdhSpec {
 
 impl Default for RdhSpec {
     fn default() -> Self {
-        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: 0 }
+        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: 4096 }
     }
 }

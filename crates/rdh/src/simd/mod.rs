@@ -114,3 +114,71 @@ pub(crate) trait Kernels: Copy {
     /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Ray;
+
+    /// Everything that kernels compute, for one set of inputs.
+    struct Everything<'a> {
+        block: &'a Block,
+        frame: RayFrame,
+        values: &'a [f32],
+    }
+
+    impl Job for Everything<'_> {
+        type Output = (u32, u32, Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]);
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Self::Output {
+            let mut lanes = K::frame(&self.frame);
+            let before = K::sift(&lanes, self.block);
+            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..self.frame });
+            let after = K::sift(&lanes, self.block);
+            let planes = &self.values[..16];
+            let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
+            K::count_below(self.values, planes, &mut below);
+            K::count_up_to(self.values, planes, &mut up_to);
+            K::weigh::<true>(self.values, &self.values[3..], &planes[..13], &mut sums);
+            let mut row = [0.0; 8];
+            row.copy_from_slice(&self.values[..8]);
+            let mut bins = K::bin(&row, &[-1.0; 8], &[3.7; 8], 5);
+            (bins[3], bins[7]) = (0, 0);
+            (before.possible | after.possible << 8, before.certain | after.certain << 8, below, up_to, sums, bins)
+        }
+    }
+
+    #[test]
+    fn all_levels_give_the_same_bits() {
+        let mut state = 7u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            // Coarse numbers meet in exact zeros and ties often.
+            f32::from((state >> 28) as u8) / 4.0 - 2.0
+        };
+        let (mut possible, mut certain) = (0, 0);
+        for _ in 0..20_000 {
+            let mut block: Block = bytemuck::Zeroable::zeroed();
+            for lane in 0..LANES {
+                block.set(
+                    lane,
+                    &[[random(), random(), random()], [random(), random(), random()], [random(), random(), random()]],
+                    0,
+                );
+            }
+            let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
+            let values: Vec<f32> = (0..40).map(|_| random()).collect();
+            let on =
+                |level: Level| level.run(Everything { block: &block, frame: RayFrame::new(&ray), values: &values });
+            let portable = on(Level::PORTABLE);
+            for level in Level::available() {
+                assert_eq!(on(level), portable, "{}", level.name());
+            }
+            assert_eq!(portable.1 & !portable.0, 0, "what is certain is possible");
+            possible += portable.0.count_ones();
+            certain += portable.1.count_ones();
+        }
+        assert!(certain > 100 && possible > certain, "{certain} of {possible}");
+    }
+}
