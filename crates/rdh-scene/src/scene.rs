@@ -52,6 +52,13 @@ pub struct Geometry {
     pub material: usize,
 }
 
+impl Geometry {
+    fn zero_area_count(&self) -> usize {
+        let corner = |i: u32| self.positions[i as usize].map(f64::from);
+        self.triangles.iter().filter(|t| is_flat(t.map(corner))).count()
+    }
+}
+
 /// A geometry that stands somewhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
@@ -158,6 +165,12 @@ impl Scene {
         self.instances.iter().map(|i| self.geometries[i.geometry].triangles.len()).sum()
     }
 
+    /// Triangles of exactly zero area, all instances counted. They stay in the scene; no ray hits them.
+    pub fn zero_area_count(&self) -> usize {
+        let flat: Vec<usize> = self.geometries.iter().map(Geometry::zero_area_count).collect();
+        self.instances.iter().map(|i| flat[i.geometry]).sum()
+    }
+
     /// All instances as one mesh. A mirrored instance keeps its outside outside: its triangles are turned round.
     ///
     /// # Errors
@@ -181,5 +194,27 @@ impl Scene {
         flat.first_triangle.push(triangles.len() as u32);
         flat.mesh = Mesh::new(positions, triangles)?;
         Ok(flat)
+    }
+}
+
+/// Whether the cross product of two sides is zero. In f64, its products of f32 differences are practically exact.
+fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let side = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+    let (u, v) = (side(b), side(c));
+    u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_on_a_line_have_no_area() {
+        let geometry = Geometry {
+            positions: vec![[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0], [1.0, 0.0, 0.0]],
+            triangles: vec![[0, 1, 2], [0, 1, 1], [0, 1, 3], [3, 3, 3]],
+            ..Geometry::default()
+        };
+        assert_eq!(geometry.zero_area_count(), 3);
     }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::{FORMATS, read_file};
 use crate::error::{Error, Result};
-use crate::scene::{Geometry, Note, Scene};
+use crate::scene::Note;
 
 /// What is in one file.
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ pub fn inventory(path: &Path) -> Result<Row> {
     Ok(Row {
         path: path.to_owned(),
         triangles: scene.triangle_count(),
-        zero_area: zero_area(&scene),
+        zero_area: scene.zero_area_count(),
         unique_triangles: scene.geometries.iter().map(|g| g.triangles.len()).sum(),
         instances: scene.instances.len(),
         mirrored: scene.instances.iter().filter(|i| i.scene_from_object.mirrors()).count(),
@@ -77,21 +77,4 @@ pub fn mesh_files(folder: &Path) -> Result<Vec<PathBuf>> {
 fn is_known(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     FORMATS.iter().any(|f| extension.eq_ignore_ascii_case(f.name))
-}
-
-fn zero_area(scene: &Scene) -> usize {
-    let flat: Vec<usize> = scene.geometries.iter().map(flat_triangles).collect();
-    scene.instances.iter().map(|i| flat[i.geometry]).sum()
-}
-
-fn flat_triangles(geometry: &Geometry) -> usize {
-    let corner = |i: u32| geometry.positions[i as usize].map(f64::from);
-    geometry.triangles.iter().filter(|t| is_flat(t.map(corner))).count()
-}
-
-/// Whether the cross product of two sides is zero. In f64, its products of f32 differences are practically exact.
-fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
-    let side = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
-    let (u, v) = (side(b), side(c));
-    u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0]
 }

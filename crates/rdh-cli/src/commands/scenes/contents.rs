@@ -85,7 +85,6 @@ fn content(name: &str, shelf: &Shelf) -> Result<Content> {
 
 impl Content {
     fn of(name: &str, scene: Scene, secs: f64) -> Self {
-        let zero_area: Vec<_> = scene.geometries.iter().map(|g| zero_area(&g.positions, &g.triangles)).collect();
         let bounds = world_bounds(&scene);
         Self {
             file: name.to_owned(),
@@ -93,7 +92,7 @@ impl Content {
             instances: scene.instances.len(),
             triangles: scene.triangle_count(),
             unique_triangles: scene.geometries.iter().map(|g| g.triangles.len()).sum(),
-            zero_area: scene.instances.iter().map(|i| zero_area[i.geometry]).sum(),
+            zero_area: scene.zero_area_count(),
             materials: scene.materials.len(),
             lights: scene.lights.len(),
             views: scene.views.len(),
@@ -104,17 +103,6 @@ impl Content {
             secs,
         }
     }
-}
-
-/// How many triangles have exactly no area. Differences and products of f32 are exact in f64, but for extreme sizes.
-fn zero_area(positions: &[Vec3], triangles: &[[u32; 3]]) -> usize {
-    let corner = |i: u32| positions.get(i as usize).map_or([0.0; 3], |p| p.map(f64::from));
-    let flat = |t: &&[u32; 3]| {
-        let [a, b, c] = t.map(corner);
-        let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
-        [(0, 1), (1, 2), (2, 0)].iter().all(|&(i, j)| u[i] * v[j] == u[j] * v[i])
-    };
-    triangles.iter().filter(flat).count()
 }
 
 fn world_bounds(scene: &Scene) -> Option<([f64; 3], [f64; 3])> {
@@ -158,16 +146,4 @@ fn bounds_text(file: &Content) -> String {
     let (Some(min), Some(max)) = (file.bounds_min, file.bounds_max) else { return "empty".to_owned() };
     let side = |a: usize| format!("{}..{}", short_coordinate(min[a]), short_coordinate(max[a]));
     [0, 1, 2].map(side).join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangles_on_a_line_have_no_area() {
-        let positions = [[0.0; 3], [1.0, 1.0, 1.0], [3.0, 3.0, 3.0], [1.0, 0.0, 0.0]];
-        let triangles = [[0, 1, 2], [0, 1, 1], [0, 1, 3], [3, 3, 3]];
-        assert_eq!(zero_area(&positions, &triangles), 3);
-    }
 }
