@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Barrier;
-use std::time::Instant;
 
 use proptest::prelude::*;
 use rand_pcg::Pcg64Mcg;
@@ -472,30 +471,5 @@ proptest! {
         prop_assert_eq!(&Profile::from_bytes(&whole.to_bytes()).unwrap(), &whole);
         let listed = Profile::from_samples(casts.iter().map(sample).collect(), 1).thin(capacity);
         prop_assert_eq!(&listed, &whole);
-    }
-}
-
-/// `cargo test --release -p rdh --test rays -- --ignored --nocapture cost`
-#[test]
-#[ignore = "a measurement"]
-fn cost_of_recording() {
-    // Few enough for the first cache: a ray that was just traced is there.
-    let casts = casts(512, 512, 30);
-    for (what, recorder) in [
-        ("capacity 16384", Recorder::new(16_384, 1)),
-        ("capacity 2^20", Recorder::new(1 << 20, 1)),
-        ("one in 64", Recorder::new(1 << 20, 1).one_in(64)),
-    ] {
-        let (mut best, mut total) = (f64::INFINITY, 0.0);
-        for round in 0..8192 {
-            // Other rays each time, since repeats of the same ones would all be kept or all left out.
-            let fresh: Vec<Cast> = casts.iter().map(|c| Cast { ray: c.ray.masked(!round), ..*c }).collect();
-            let start = Instant::now();
-            record_all(&recorder, &fresh);
-            let nanos = start.elapsed().as_nanos() as f64 / casts.len() as f64;
-            best = nanos.min(best);
-            total += nanos;
-        }
-        println!("{what}: {:.2} ns a ray, the mean over 4 million; best of 8192 rounds {best:.2}", total / 8192.0);
     }
 }

@@ -72,13 +72,6 @@ impl Aabb {
         [0, 1, 2].map(|a| self.min[a] * 0.5 + self.max[a] * 0.5)
     }
 
-    /// Half the surface area: the measure of uniform lines that meet the box.
-    #[inline(always)]
-    pub fn half_area(&self) -> f32 {
-        let [x, y, z] = self.extent();
-        x * y + y * z + z * x
-    }
-
     /// The two boxes on either side of the plane `axis = position`.
     #[inline(always)]
     pub fn split(&self, axis: Axis, position: f32) -> (Self, Self) {

@@ -17,12 +17,9 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// The stored constants for a leaf width.
+    /// The stored constants; they suit both widths.
     pub fn of(leaf: LeafWidth) -> Self {
-        match leaf {
-            LeafWidth::One => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf },
-            LeafWidth::Eight => Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf },
-        }
+        Self { traverse: 1.0, intersect: 1.5, empty_bonus: 0.1, leaf }
     }
 
     /// What a leaf of `n` triangles costs.
@@ -52,9 +49,7 @@ impl Costs {
             LeafWidth::Eight => self.intersect * 0.5 * (n.div_ceil(8) as f32 + n as f32 * 0.125),
         }
     }
-}
 
-impl Costs {
     /// Equation (1) for a split into leaves of so many triangles, with the bonus for empty space.
     #[inline(always)]
     pub(crate) fn split(&self, chance: SplitProbability, left: u32, right: u32) -> f32 {

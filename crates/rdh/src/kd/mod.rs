@@ -20,6 +20,7 @@ mod trace;
 
 pub use check::Fault;
 pub use cost::Costs;
+pub use layout::Tally;
 pub use node::{Node, NodeKind};
 pub use reference::{Clipper, Reference};
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -29,8 +30,6 @@ use std::sync::Arc;
 use build::Builder;
 use clip::TriangleClipper;
 use layout::{Arrays, Line};
-
-pub use layout::Tally;
 
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale};

@@ -9,12 +9,11 @@ use std::hint::select_unpredictable;
 
 use super::KdTree;
 use super::node::Node;
+use super::stop::StopRule;
 use crate::geom::{Hit, PlaneFrame, Ray, RayFrame, TriId, hit_triangle, larger, owns_crossing, smaller};
 use crate::mem::Stack;
 use crate::probe::Probe;
 use crate::simd::{Block, Job, Kernels, LANES};
-
-use super::stop::StopRule;
 
 /// What becomes of hits.
 pub(crate) trait Collector {
