@@ -1,6 +1,7 @@
 //! Studies: which rays an application casts, what they cost in each structure, and whether a difference is one.
 //!
 //! ```text
+//!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
 //!  run          all cases of a plan, row by row
@@ -18,6 +19,7 @@ pub mod plan;
 pub mod rows;
 pub mod run;
 pub mod stats;
+pub mod study;
 pub mod summary;
 
 pub use error::{Error, Result};

@@ -84,6 +84,21 @@ pub struct Row {
     pub protocol: Protocol,
     /// The plan's seed.
     pub seed: u64,
+    /// The experiment of a study that asked for it; absent in JSON for plain comparisons.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<String>,
+    /// Under which of the experiment's settings, in words; rows of one setting are paired and summarised together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setting: Option<String>,
+    /// The setting's place on the experiment's axis, where it has one: training rays, frames of distance, a weight.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<f64>,
+    /// The 99.9th percentile, over rays, of steps + tests.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cost_p999: Option<f64>,
+    /// Mean number of surfaces that a ray would cross if it weren't stopped: the measured depth complexity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_complexity: Option<f64>,
 }
 
 /// A spec against the base over all scenes and views. Ratios are geometric means of spec / base: below 1 is better.

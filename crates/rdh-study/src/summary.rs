@@ -185,6 +185,11 @@ mod tests {
             depth: 0,
             protocol: Protocol::Unseen,
             seed: 1,
+            experiment: None,
+            setting: None,
+            x: None,
+            cost_p999: None,
+            depth_complexity: None,
         }
     }
 

@@ -130,5 +130,10 @@ fn row(
         depth: stats.depth,
         protocol: plan.protocol,
         seed: plan.seed,
+        experiment: None,
+        setting: None,
+        x: None,
+        cost_p999: None,
+        depth_complexity: None,
     }
 }

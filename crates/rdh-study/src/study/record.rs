@@ -1,0 +1,53 @@
+//! What a study finds out, job by job: the lines of its log.
+
+use rdh::Spec;
+use serde::{Deserialize, Serialize};
+
+use crate::integrate::Mode;
+use crate::rows::{Failure, Mismatch, Row};
+
+/// One unit of work that is done as a whole, or not at all: a view of a scene in a mode, under one experiment.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Job {
+    /// The experiment's name.
+    pub experiment: String,
+    /// The scene's id.
+    pub scene: String,
+    /// The view's name.
+    pub view: String,
+    /// The frame.
+    pub frame: u32,
+    /// Which integrator makes the rays.
+    pub mode: Mode,
+}
+
+/// What one job found out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Which job.
+    pub job: Job,
+    /// Measurements, one per setting, class and spec; the first spec of a setting is its base.
+    pub rows: Vec<Row>,
+    /// What is no row: figures by depth of the tree, bounds, predictions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<Curve>,
+    /// What could not be run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failures: Vec<Failure>,
+    /// Where two structures gave different answers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mismatches: Vec<Mismatch>,
+}
+
+/// Points of a named quantity over another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// What is measured, under which setting: `p measured / p estimated, uniform whole`.
+    pub name: String,
+    /// The structure it was measured on.
+    pub spec: Spec,
+    /// The quantity across: `depth`, `rays`.
+    pub across: String,
+    /// `[x, y, weight]`; a weighted mean over scenes uses the weights.
+    pub points: Vec<[f64; 3]>,
+}
