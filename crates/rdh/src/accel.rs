@@ -1,9 +1,11 @@
 //! One face for all structures.
 
+use crate::bvh::{Bvh, Width};
 use crate::error::{Error, Result};
+use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::heuristic;
-use crate::kd::{Fault, KdTree, Prune};
+use crate::kd::{KdTree, Prune};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::probe::Counts;
@@ -22,6 +24,21 @@ pub struct Accel {
 #[derive(Debug, Clone)]
 enum Structure {
     Kd(KdTree),
+    Bvh2(Bvh<2>),
+    Bvh4(Bvh<4>),
+    Bvh8(Bvh<8>),
+}
+
+/// Does the same with whichever structure it is.
+macro_rules! each {
+    ($structure:expr, $tree:ident => $work:expr) => {
+        match $structure {
+            Structure::Kd($tree) => $work,
+            Structure::Bvh2($tree) => $work,
+            Structure::Bvh4($tree) => $work,
+            Structure::Bvh8($tree) => $work,
+        }
+    };
 }
 
 /// What was built, for reports.
@@ -52,6 +69,7 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check().map_err(|reason| Error::Spec { spec: spec.to_string(), reason })?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -72,45 +90,48 @@ fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> 
 fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Structure> {
     let scale = crate::geom::Scale::of(&mesh.bounds()).factor();
     let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
-    let StructureSpec::Kd(mut kd) = spec.structure;
-    if kd.prune == Prune::ByHeuristic {
-        kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
+    match spec.structure {
+        StructureSpec::Kd(mut kd) => {
+            if kd.prune == Prune::ByHeuristic {
+                kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
+            }
+            Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
+        }
+        StructureSpec::Bvh(bvh) => Ok(match bvh.width {
+            Width::Two => Structure::Bvh2(Bvh::build(mesh, &bvh, options)?),
+            Width::Four => Structure::Bvh4(Bvh::build(mesh, &bvh, options)?),
+            Width::Eight => Structure::Bvh8(Bvh::build(mesh, &bvh, options)?),
+        }),
     }
-    Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
 }
 
 impl Accel {
     /// The nearest hit; of equally near ones that with the smallest triangle id.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let Structure::Kd(tree) = &self.structure;
-        tree.closest(ray, &mut ())
+        each!(&self.structure, tree => tree.closest(ray, &mut ()))
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Structure::Kd(tree) = &self.structure;
-        tree.occluded(ray, &mut ())
+        each!(&self.structure, tree => tree.occluded(ray, &mut ()))
     }
 
     /// All hits, nearest first, then by id; each shared edge counts for exactly one of its triangles.
     /// `hits` is cleared first; passing the same vector again saves allocations.
     pub fn all_hits(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        let Structure::Kd(tree) = &self.structure;
-        tree.all_hits(ray, &mut (), hits);
+        each!(&self.structure, tree => tree.all_hits(ray, &mut (), hits));
     }
 
     /// [`Self::closest`], and what it cost, added to `counts`.
     pub fn closest_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        let Structure::Kd(tree) = &self.structure;
-        tree.closest(ray, counts)
+        each!(&self.structure, tree => tree.closest(ray, counts))
     }
 
     /// [`Self::occluded`], and what it cost, added to `counts`.
     pub fn occluded_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        let Structure::Kd(tree) = &self.structure;
-        tree.occluded(ray, counts)
+        each!(&self.structure, tree => tree.occluded(ray, counts))
     }
 
     /// What was built.
@@ -120,49 +141,52 @@ impl Accel {
 
     /// The box of everything that can be hit.
     pub fn bounds(&self) -> Aabb {
-        let Structure::Kd(tree) = &self.structure;
-        tree.bounds()
+        each!(&self.structure, tree => tree.bounds())
     }
 
     /// Visits the structure's leaf cells: box, depth, triangles.
     pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, usize)) {
-        let Structure::Kd(tree) = &self.structure;
-        tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len()));
+        each!(&self.structure, tree => tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len())));
     }
 
     /// All faults of the structure over its mesh; none if it is well-formed.
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
-        let Structure::Kd(tree) = &self.structure;
-        tree.check(mesh)
+        each!(&self.structure, tree => tree.check(mesh))
     }
 
     /// The same structure, traced with other instructions: for tests and measurements. The answers are the same.
     pub fn with_level(self, level: Level) -> Self {
-        let Structure::Kd(tree) = self.structure;
-        Self { structure: Structure::Kd(tree.with_level(level)), stats: self.stats }
+        let structure = match self.structure {
+            Structure::Kd(tree) => Structure::Kd(tree.with_level(level)),
+            Structure::Bvh2(tree) => Structure::Bvh2(tree.with_level(level)),
+            Structure::Bvh4(tree) => Structure::Bvh4(tree.with_level(level)),
+            Structure::Bvh8(tree) => Structure::Bvh8(tree.with_level(level)),
+        };
+        Self { structure, ..self }
     }
 
     /// The structure's arrays as bytes: equal for equal structures.
     pub fn fingerprint(&self) -> u64 {
-        let Structure::Kd(tree) = &self.structure;
-        tree.fingerprint()
+        each!(&self.structure, tree => tree.fingerprint())
     }
 }
 
 impl Structure {
     fn stats(&self, mesh: &Mesh, spec: &Spec, trained_on: usize) -> Stats {
-        let Self::Kd(tree) = self;
-        let tally = tree.tally();
-        Stats {
-            spec: *spec,
-            triangles: mesh.len(),
-            nodes: 2 * tally.leaves - 1,
-            leaves: tally.leaves,
-            empty_leaves: tally.empty_leaves,
-            references: tally.references,
-            depth: tally.depth,
-            bytes: tree.bytes(),
-            trained_on,
-        }
+        let (nodes, leaves, empty_leaves, references, depth) = match self {
+            Self::Kd(tree) => {
+                let t = tree.tally();
+                (2 * t.leaves - 1, t.leaves, t.empty_leaves, t.references, t.depth)
+            }
+            Self::Bvh2(tree) => bvh_stats(tree.tally()),
+            Self::Bvh4(tree) => bvh_stats(tree.tally()),
+            Self::Bvh8(tree) => bvh_stats(tree.tally()),
+        };
+        let bytes = each!(self, tree => tree.bytes());
+        Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }
     }
+}
+
+fn bvh_stats(t: crate::bvh::Tally) -> (usize, usize, usize, usize, usize) {
+    (t.interiors + t.leaves, t.leaves, 0, t.references, t.depth)
 }

@@ -10,10 +10,13 @@
 //! rays that are really cast instead. This crate builds kd-trees by both, and traces them watertight.
 
 pub mod accel;
+pub mod bvh;
 pub mod error;
+pub mod fault;
 pub mod geom;
 pub mod heuristic;
 pub mod kd;
+mod leaf;
 mod mem;
 pub mod mesh;
 pub mod naive;

@@ -1,5 +1,9 @@
 //! What a build may use, and how it reports.
 
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crate::error::{Error, Result};
+
 /// Limits and callbacks of a build. The default has no limits but those that keep a tree finite.
 #[derive(Clone, Copy, Default)]
 pub struct BuildOptions<'a> {
@@ -18,4 +22,39 @@ pub struct BuildOptions<'a> {
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
     /// Asked often, from any thread: `true` stops the build with [`Error::Cancelled`](crate::Error::Cancelled).
     pub cancel: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+/// A build's callbacks, shared by its threads.
+pub(crate) struct Watch<'a> {
+    options: &'a BuildOptions<'a>,
+    cancelled: AtomicBool,
+    finished: AtomicU64,
+    total: u64,
+}
+
+impl<'a> Watch<'a> {
+    /// Over a build of `total` primitives.
+    pub(crate) fn new(options: &'a BuildOptions<'a>, total: usize) -> Self {
+        Self { options, cancelled: AtomicBool::new(false), finished: AtomicU64::new(0), total: total as u64 }
+    }
+
+    /// Asks whether to go on.
+    pub(crate) fn check_cancelled(&self) -> Result<()> {
+        if self.options.cancel.is_some_and(|cancel| cancel()) {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    /// Counts a leaf's references against the number of primitives. Perfect splits make more of the former, so progress
+    /// runs ahead and then waits.
+    pub(crate) fn report(&self, leaf: usize) {
+        if let Some(progress) = self.options.progress {
+            let before = self.finished.fetch_add(leaf as u64, Ordering::Relaxed);
+            let step = (self.total / 100).max(1);
+            if before / step != (before + leaf as u64) / step {
+                progress(((before + leaf as u64) as f64 / self.total.max(1) as f64).min(1.0));
+            }
+        }
+    }
 }

@@ -8,6 +8,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::bvh::{BvhSpec, Effort, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -26,6 +27,8 @@ pub struct Spec {
 pub enum StructureSpec {
     /// A kd-tree.
     Kd(KdSpec),
+    /// A bounding volume hierarchy.
+    Bvh(BvhSpec),
 }
 
 impl Default for StructureSpec {
@@ -38,6 +41,16 @@ impl Spec {
     /// Whether the heuristic needs a profile.
     pub fn needs_rays(&self) -> bool {
         matches!(self.heuristic, HeuristicSpec::Rdh(_))
+    }
+
+    /// Refuses what cannot be built: a spec made of parts that don't go together.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        match (&self.structure, &self.heuristic) {
+            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(_)) => {
+                Err("rays can't guide a BVH; bvh goes with sah".to_owned())
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Parses a list of specs. Commas inside brackets don't separate.
@@ -59,20 +72,27 @@ impl FromStr for Spec {
             let part = Part::parse(part).map_err(fail)?;
             match part.name {
                 "kd" => set_once(&mut structure, StructureSpec::Kd(parse_kd(&part).map_err(fail)?), "structure"),
+                "bvh2" | "bvh4" | "bvh8" => {
+                    set_once(&mut structure, StructureSpec::Bvh(parse_bvh(&part).map_err(fail)?), "structure")
+                }
                 "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
                 "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
-                other => Err(format!("unknown name '{other}'; structures: kd; heuristics: sah, rdh")),
+                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8; heuristics: sah, rdh")),
             }
             .map_err(fail)?;
         }
-        Ok(Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() })
+        let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
+        spec.check().map_err(fail)?;
+        Ok(spec)
     }
 }
 
 impl fmt::Display for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let StructureSpec::Kd(kd) = &self.structure;
-        write!(f, "kd{}+", brackets(&kd_parameters(kd)))?;
+        match &self.structure {
+            StructureSpec::Kd(kd) => write!(f, "kd{}+", brackets(&kd_parameters(kd)))?,
+            StructureSpec::Bvh(bvh) => write!(f, "{}{}+", bvh_name(bvh), brackets(&bvh_parameters(bvh)))?,
+        }
         match &self.heuristic {
             HeuristicSpec::Sah => write!(f, "sah"),
             HeuristicSpec::Rdh(rdh) => write!(f, "rdh{}", brackets(&rdh_parameters(rdh))),
@@ -137,6 +157,39 @@ fn kd_parameters(kd: &KdSpec) -> Vec<String> {
         Stop::Paper => push(true, "stop=paper"),
     };
     out
+}
+
+fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
+    let width = match part.name {
+        "bvh2" => Width::Two,
+        "bvh4" => Width::Four,
+        _ => Width::Eight,
+    };
+    let mut bvh = BvhSpec { width, ..BvhSpec::default() };
+    for &(key, value) in &part.parameters {
+        match (key, value) {
+            ("quick", "") => bvh.effort = Effort::Quick,
+            ("high", "") => bvh.effort = Effort::High,
+            _ => return Err(unknown(part.name, key, "quick, high")),
+        }
+    }
+    Ok(bvh)
+}
+
+fn bvh_name(bvh: &BvhSpec) -> &'static str {
+    match bvh.width {
+        Width::Two => "bvh2",
+        Width::Four => "bvh4",
+        Width::Eight => "bvh8",
+    }
+}
+
+fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
+    match bvh.effort {
+        Effort::Quick => vec!["quick".to_owned()],
+        Effort::Default => Vec::new(),
+        Effort::High => vec!["high".to_owned()],
+    }
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {

@@ -49,6 +49,10 @@ pub struct PlaneFrame {
     pub inverse: Vec3,
     /// By how much, in `t`, a plane is widened on each side.
     pub pad: Vec3,
+    /// The ray's own interval, in this space.
+    pub t_min: f32,
+    /// The ray's own interval, in this space.
+    pub t_max: f32,
     /// Where the ray enters the structure's box, not before its own `t_min`.
     pub t_near: f32,
     /// Where it leaves the box, not after its own `t_max`; smaller than `t_near` if it misses.
@@ -64,6 +68,8 @@ impl PlaneFrame {
     /// Beyond this distance (in scaled space, where the structure lies within 2²¹) everything is visited:
     /// the slack is then larger than the structure.
     const FAR: f32 = (1u64 << 62) as f32;
+    /// A reciprocal with which every plane of the structure is nearer than the pad, but those of absent boxes are not.
+    const EVERYWHERE: f32 = 128.0;
 
     /// Prepares a valid ray for a structure that stores its planes by `scale`, in the box `bounds` (scaled too).
     #[inline(always)]
@@ -84,8 +90,10 @@ impl PlaneFrame {
         if slack >= Self::FAR / (1 << 21) as f32 {
             return Self {
                 origin: [0.0; 3],
-                inverse: [0.0; 3],
+                inverse: [Self::EVERYWHERE; 3],
                 pad: [f32::MAX / 4.0; 3],
+                t_min,
+                t_max,
                 t_near: t_min,
                 t_far: t_max,
                 t_scale,
@@ -99,6 +107,8 @@ impl PlaneFrame {
             origin,
             inverse: [x.inverse, y.inverse, z.inverse],
             pad: [x.pad, y.pad, z.pad],
+            t_min,
+            t_max,
             t_near: larger(larger(t_min, x.near), larger(y.near, z.near)),
             t_far: smaller(smaller(t_max, x.far), smaller(y.far, z.far)),
             t_scale,

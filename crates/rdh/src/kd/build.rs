@@ -11,19 +11,17 @@
 //! Invariant: the builder sees boxes, a [`Clipper`] and a [`Heuristic`], never a mesh. The tree depends on nothing else: not on
 //! threads, nor on time.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-
 use super::branch::{Branch, Branches};
 use super::cost::Costs;
 use super::reference::{Clipper, Reference};
 use super::spec::{KdSpec, Prune};
 use super::split::{Search, Split};
 use super::stop::{Failures, StopRule};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
 use crate::mem::reserve;
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, Watch};
 
 /// Everything that stays the same for all nodes.
 pub(crate) struct Builder<'a> {
@@ -32,11 +30,8 @@ pub(crate) struct Builder<'a> {
     spec: KdSpec,
     costs: Costs,
     stop: StopRule,
-    options: &'a BuildOptions<'a>,
+    watch: Watch<'a>,
     parallel: bool,
-    cancelled: AtomicBool,
-    finished: AtomicU64,
-    total: u64,
 }
 
 /// A node to be built.
@@ -77,11 +72,8 @@ impl<'a> Builder<'a> {
             spec,
             costs: Costs::of(spec.leaf),
             stop: StopRule::new(spec.stop, n, options.max_depth),
-            options,
+            watch: Watch::new(options, n),
             parallel: options.threads != Some(1),
-            cancelled: AtomicBool::new(false),
-            finished: AtomicU64::new(0),
-            total: n as u64,
         }
     }
 
@@ -101,7 +93,7 @@ impl<'a> Builder<'a> {
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
             return Ok((branches, grown));
         }
-        self.check_cancelled()?;
+        self.watch.check_cancelled()?;
         let Some((split, failures)) = self.choose(&mut search, &refs, &todo) else {
             let mut branches = Branches::default();
             let leaf = self.leaf(&mut branches, &refs)?;
@@ -129,7 +121,7 @@ impl<'a> Builder<'a> {
     ) -> Result<Grown> {
         let n = stack.len() - start;
         if n > 1024 {
-            self.check_cancelled()?;
+            self.watch.check_cancelled()?;
         }
         let Some((split, failures)) = self.choose(search, &stack[start..], &todo) else {
             return self.leaf(branches, &stack[start..]);
@@ -187,7 +179,7 @@ impl<'a> Builder<'a> {
     }
 
     fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {
-        self.report(refs.len());
+        self.watch.report(refs.len());
         Ok(Grown { root: branches.leaf(refs.iter().map(|r| r.id))?, cost: self.costs.leaf(refs.len()) })
     }
 
@@ -199,25 +191,6 @@ impl<'a> Builder<'a> {
         let children = children.map(|c| c.root);
         let root = branches.push(Branch::Interior { axis: split.axis, plane: split.plane, children, chances })?;
         Ok(Grown { root, cost })
-    }
-
-    fn check_cancelled(&self) -> Result<()> {
-        if self.options.cancel.is_some_and(|cancel| cancel()) {
-            self.cancelled.store(true, Ordering::Relaxed);
-        }
-        if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
-    }
-
-    /// Progress counts leaf references against the number of primitives; perfect splits make more of the former, so it
-    /// runs ahead and then waits.
-    fn report(&self, leaf: usize) {
-        if let Some(progress) = self.options.progress {
-            let before = self.finished.fetch_add(leaf as u64, Ordering::Relaxed);
-            let step = (self.total / 100).max(1);
-            if before / step != (before + leaf as u64) / step {
-                progress(((before + leaf as u64) as f64 / self.total.max(1) as f64).min(1.0));
-            }
-        }
     }
 }
 

@@ -3,41 +3,36 @@
 use super::node::{Node, NodeKind};
 use super::reference::Reference;
 use super::{KdTree, clip, references};
+use crate::fault::{Fault, Faults};
 use crate::geom::{Aabb, RayFrame, TriId, Vec3};
 use crate::mesh::Mesh;
 
 use super::clip::TriangleClipper;
 
-/// Something that is wrong with a structure.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault(pub String);
-
 impl KdTree {
     /// All faults of the tree over its mesh, at most 100: links, depth, planes inside their cells, ids and copies of triangles, and
     /// that no triangle is missing from a cell it reaches into. O(references · depth).
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
-        let mut check = Check { tree: self, mesh, faults: Vec::new(), seen: vec![false; self.pairs().len()] };
+        let mut check = Check { tree: self, mesh, faults: Faults::default(), seen: vec![false; self.pairs().len()] };
         check.structure();
-        if check.faults.is_empty() {
+        if check.faults.0.is_empty() {
             check.completeness();
         }
-        check.faults
+        check.faults.0
     }
 }
 
 struct Check<'a> {
     tree: &'a KdTree,
     mesh: &'a Mesh,
-    faults: Vec<Fault>,
+    faults: Faults,
     /// Pairs that a parent has claimed.
     seen: Vec<bool>,
 }
 
 impl Check<'_> {
     fn fault(&mut self, what: String) {
-        if self.faults.len() < 100 {
-            self.faults.push(Fault(what));
-        }
+        self.faults.add(what);
     }
 
     fn structure(&mut self) {

@@ -18,7 +18,6 @@ mod split;
 mod stop;
 mod trace;
 
-pub use check::Fault;
 pub use cost::Costs;
 pub use layout::Tally;
 pub use node::{Node, NodeKind};
@@ -34,6 +33,7 @@ use layout::{Arrays, Line};
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::heuristic::Heuristic;
+use crate::leaf;
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
@@ -92,7 +92,7 @@ impl KdTree {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut collector = trace::Closest::default();
+        let mut collector = leaf::Closest::default();
         self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
         collector.0
     }
@@ -100,7 +100,7 @@ impl KdTree {
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        let mut collector = trace::Any::default();
+        let mut collector = leaf::Any::default();
         self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
         collector.0
     }
@@ -108,9 +108,8 @@ impl KdTree {
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut trace::All(hits) });
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.tri.cmp(&b.tri)));
-        hits.dedup_by_key(|h| h.tri);
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut leaf::All(hits) });
+        leaf::in_order(hits);
     }
 
     /// The root, in a form of its own since it has no sibling.

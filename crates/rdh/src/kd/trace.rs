@@ -10,69 +10,11 @@ use std::hint::select_unpredictable;
 use super::KdTree;
 use super::node::Node;
 use super::stop::StopRule;
-use crate::geom::{Hit, PlaneFrame, Ray, RayFrame, TriId, hit_triangle, larger, owns_crossing, smaller};
+use crate::geom::{PlaneFrame, Ray, larger, smaller};
+use crate::leaf::{Collector, Tester};
 use crate::mem::Stack;
 use crate::probe::Probe;
-use crate::simd::{Block, Job, Kernels, LANES};
-
-/// What becomes of hits.
-pub(crate) trait Collector {
-    /// Whether any hit will do, whatever it is: then the test itself can be spared where its outcome is certain.
-    const ANY: bool = false;
-
-    /// Learns that there is a hit, where any will do.
-    #[inline(always)]
-    fn certain(&mut self) {}
-
-    /// Takes a hit; returns the largest `t` that is still of interest, or nothing if the ray is done.
-    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32>;
-}
-
-/// The nearest hit.
-#[derive(Default)]
-pub(crate) struct Closest(pub(crate) Option<Hit>);
-
-impl Collector for Closest {
-    #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
-        if self.0.is_none_or(|best| hit.wins_over(&best)) {
-            self.0 = Some(hit);
-        }
-        Some(self.0.map_or(frame.t_max, |best| best.t))
-    }
-}
-
-/// Whether there is any hit.
-#[derive(Default)]
-pub(crate) struct Any(pub(crate) bool);
-
-impl Collector for Any {
-    const ANY: bool = true;
-
-    #[inline(always)]
-    fn certain(&mut self) {
-        self.0 = true;
-    }
-
-    #[inline(always)]
-    fn take(&mut self, _hit: Hit, _frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
-        self.0 = true;
-        None
-    }
-}
-
-/// All hits that own their crossing; one that lies in several cells comes several times.
-pub(crate) struct All<'a>(pub(crate) &'a mut Vec<Hit>);
-
-impl Collector for All<'_> {
-    #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
-        if owns_crossing(frame, &corners()) {
-            self.0.push(hit);
-        }
-        Some(frame.t_max)
-    }
-}
+use crate::simd::{Job, Kernels};
 
 /// One ray's way through a tree.
 pub(crate) struct Walk<'a, P, C> {
@@ -130,8 +72,7 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
         if t_near > t_far {
             return;
         }
-        let mut frame = RayFrame::new(self.ray);
-        let mut lanes = K::frame(&frame);
+        let mut tester = Tester::<K>::new(self.ray, tree.masks.as_deref());
         let planes = Planes::new(&plane_frame);
         let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
         let pairs = tree.pairs();
@@ -164,8 +105,8 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             self.probe.leaf(count);
             if count > 0 {
                 let blocks = &tree.blocks[block as usize..];
-                match visit::<K, C>(tree, self.ray, &mut frame, &mut lanes, blocks, (lane, count), self.collector) {
-                    Some(true) => end = plane_frame.scaled_t(frame.t_max).next_up(),
+                match tester.test_run(blocks, lane, count, self.collector) {
+                    Some(true) => end = plane_frame.scaled_t(tester.t_max()).next_up(),
                     Some(false) => {}
                     None => return,
                 }
@@ -182,51 +123,4 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             t_far = smaller(entry.t_far, end);
         }
     }
-}
-
-/// Tests a leaf's triangles: whether the end of interest has moved; nothing if the ray is done.
-#[inline(always)]
-fn visit<K: Kernels, C: Collector>(
-    tree: &KdTree,
-    ray: &Ray,
-    frame: &mut RayFrame,
-    lanes: &mut K::Frame,
-    blocks: &[Block],
-    (lane, count): (u32, u32),
-    collector: &mut C,
-) -> Option<bool> {
-    let mut moved = false;
-    let mut left = count;
-    let mut lane = lane;
-    for block in blocks {
-        let here = left.min(LANES as u32 - lane);
-        let wanted = ((1u32 << here) - 1) << lane;
-        let sifted = K::sift(lanes, block);
-        if C::ANY && sifted.certain & wanted != 0 && tree.masks.is_none() {
-            collector.certain();
-            return None;
-        }
-        let mut candidates = sifted.possible & wanted;
-        while candidates != 0 {
-            let i = candidates.trailing_zeros() as usize;
-            candidates &= candidates - 1;
-            let id = block.ids[i];
-            let Some(hit) = hit_triangle(frame, &block.corners(i), TriId(id)) else { continue };
-            if tree.masks.as_ref().is_some_and(|m| m[id as usize] & ray.mask == 0) {
-                continue;
-            }
-            let t_max = collector.take(hit, frame, || block.corners(i))?;
-            if t_max < frame.t_max {
-                frame.t_max = t_max;
-                K::shorten(lanes, frame);
-                moved = true;
-            }
-        }
-        left -= here;
-        lane = 0;
-        if left == 0 {
-            break;
-        }
-    }
-    Some(moved)
 }

@@ -25,6 +25,33 @@ impl<T: Copy, const N: usize> Stack<T, N> {
         self.len += 1;
     }
 
+    /// How many elements there are.
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Puts an element among those from `bottom` on, below all that come before it in an order that they already have: the last in
+    /// order at the bottom.
+    ///
+    /// # Panics
+    /// If the stack is full.
+    #[inline(always)]
+    pub(crate) fn insert(&mut self, bottom: usize, x: T, comes_before: impl Fn(&T, &T) -> bool) {
+        self.push(x);
+        let mut at = self.len - 1;
+        while at > bottom {
+            // SAFETY: `at - 1` lies below `len`, and all slots below it have been written.
+            let below = unsafe { self.slots[at - 1].assume_init() };
+            if !comes_before(&below, &x) {
+                break;
+            }
+            self.slots[at].write(below);
+            at -= 1;
+        }
+        self.slots[at].write(x);
+    }
+
     /// Takes the top element.
     #[inline(always)]
     pub(crate) fn pop(&mut self) -> Option<T> {

@@ -1,15 +1,16 @@
-//! x86-64 with AVX2: eight lanes at once.
+//! x86-64 with AVX2 and FMA: eight lanes at once.
 
 use std::arch::x86_64::*;
 
-use super::{Block, Job, Kernels, Sifted};
+use super::portable::Portable;
+use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
 use crate::geom::{Depths, RayFrame};
 
 /// Runs a job with AVX2.
 ///
 /// # Safety
-/// The CPU must have AVX2, BMI1 and BMI2.
-#[target_feature(enable = "avx2,bmi1,bmi2")]
+/// The CPU must have AVX2, FMA, BMI1 and BMI2.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2")]
 pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx2>()
 }
@@ -24,22 +25,23 @@ pub(crate) struct Frame {
     k: [usize; 3],
     origin: [__m256; 3],
     shear: [__m256; 2],
-    limits: Limits,
+    pub(super) limits: Limits,
 }
 
 /// [`Depths`] in registers.
 #[derive(Clone, Copy)]
-struct Limits {
-    nearest: __m256,
-    farthest: __m256,
-    surely_from: __m256,
-    surely_to: __m256,
+pub(super) struct Limits {
+    pub(super) nearest: __m256,
+    pub(super) farthest: __m256,
+    pub(super) surely_from: __m256,
+    pub(super) surely_to: __m256,
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter`, whose caller has made sure of AVX2; loads and stores
 // are unaligned ones, within the references they are made from.
 impl Kernels for Avx2 {
     type Frame = Frame;
+    type BoxRay = WideRay;
 
     #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
@@ -102,6 +104,29 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
+    fn box_ray(ray: &BoxRay) -> WideRay {
+        WideRay::new(ray)
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+        // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
+        unsafe {
+            if W == 8 {
+                let (near, far) = enter_and_leave(ray, boxes, end);
+                _mm256_store_ps(t.0.as_mut_ptr(), near);
+                _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
+            } else if W == 4 {
+                let (near, far) = enter_and_leave_four(ray, boxes, end);
+                _mm_store_ps(t.0.as_mut_ptr(), near);
+                _mm_movemask_ps(_mm_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
+            } else {
+                Portable::meet(&ray.narrow, boxes, end, t)
+            }
+        }
+    }
+
+    #[inline(always)]
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]) {
         count::<_CMP_LT_OQ>(values, planes, counts);
     }
@@ -131,7 +156,7 @@ impl Kernels for Avx2 {
                 _mm256_storeu_ps(sums.as_mut_ptr(), sum);
             }
         }
-        super::portable::Portable::weigh::<FROM>(values, weights, &planes[whole..], &mut sums[whole..]);
+        Portable::weigh::<FROM>(values, weights, &planes[whole..], &mut sums[whole..]);
     }
 
     #[inline(always)]
@@ -148,8 +173,88 @@ impl Kernels for Avx2 {
     }
 }
 
+/// A [`BoxRay`] in registers.
+#[derive(Clone, Copy)]
+pub(crate) struct WideRay {
+    inverse: [__m256; 3],
+    enters: [__m256; 3],
+    leaves: [__m256; 3],
+    t_min: __m256,
+    near: [usize; 3],
+    /// For boxes in pairs, which are too few for vectors.
+    pub(super) narrow: BoxRay,
+}
+
+impl WideRay {
+    #[inline(always)]
+    pub(super) fn new(ray: &BoxRay) -> Self {
+        let ([ix, iy, iz], [ex, ey, ez], [lx, ly, lz]) = (ray.inverse, ray.enters, ray.leaves);
+        // SAFETY: as in `Avx2`.
+        unsafe {
+            Self {
+                inverse: [_mm256_set1_ps(ix), _mm256_set1_ps(iy), _mm256_set1_ps(iz)],
+                enters: [_mm256_set1_ps(ex), _mm256_set1_ps(ey), _mm256_set1_ps(ez)],
+                leaves: [_mm256_set1_ps(lx), _mm256_set1_ps(ly), _mm256_set1_ps(lz)],
+                t_min: _mm256_set1_ps(ray.t_min),
+                near: [ray.near[0] & 1, ray.near[1] & 1, ray.near[2] & 1],
+                narrow: *ray,
+            }
+        }
+    }
+}
+
+/// Where the ray enters and leaves eight boxes.
+///
+/// # Safety
+/// As in `Avx2`; `W` must be 8.
 #[inline(always)]
-fn spread(limits: &Depths) -> Limits {
+pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32) -> (__m256, __m256) {
+    let p = boxes.planes.as_ptr().cast::<f32>();
+    let (nx, ny, nz) = (ray.near[0] * 3 * W, ray.near[1] * 3 * W + W, ray.near[2] * 3 * W + 2 * W);
+    let (fx, fy, fz) = (3 * W - nx, 5 * W - ny, 7 * W - nz);
+    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    unsafe {
+        let near_x = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(nx)), ray.inverse[0], ray.enters[0]);
+        let near_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(ny)), ray.inverse[1], ray.enters[1]);
+        let near_z = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(nz)), ray.inverse[2], ray.enters[2]);
+        let far_x = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fx)), ray.inverse[0], ray.leaves[0]);
+        let far_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fy)), ray.inverse[1], ray.leaves[1]);
+        let far_z = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fz)), ray.inverse[2], ray.leaves[2]);
+        let near = _mm256_max_ps(_mm256_max_ps(near_x, near_y), _mm256_max_ps(near_z, ray.t_min));
+        let far = _mm256_min_ps(_mm256_min_ps(far_x, far_y), _mm256_min_ps(far_z, _mm256_set1_ps(end)));
+        (near, far)
+    }
+}
+
+/// Where the ray enters and leaves four boxes.
+///
+/// # Safety
+/// As in `Avx2`; `W` must be 4.
+#[inline(always)]
+pub(super) unsafe fn enter_and_leave_four<const W: usize>(
+    ray: &WideRay,
+    boxes: &Boxes<W>,
+    end: f32,
+) -> (__m128, __m128) {
+    let p = boxes.planes.as_ptr().cast::<f32>();
+    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    unsafe {
+        let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm_set1_ps(end));
+        for a in 0..3 {
+            let first = (ray.near[a] * 3 + a) * W;
+            let last = ((ray.near[a] ^ 1) * 3 + a) * W;
+            let inverse = _mm256_castps256_ps128(ray.inverse[a]);
+            let enters = _mm256_castps256_ps128(ray.enters[a]);
+            let leaves = _mm256_castps256_ps128(ray.leaves[a]);
+            near = _mm_max_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(first)), inverse, enters), near);
+            far = _mm_min_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(last)), inverse, leaves), far);
+        }
+        (near, far)
+    }
+}
+
+#[inline(always)]
+pub(super) fn spread(limits: &Depths) -> Limits {
     // SAFETY: as in `Avx2`.
     unsafe {
         Limits {
@@ -165,7 +270,7 @@ fn spread(limits: &Depths) -> Limits {
 
 /// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
-fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
+pub(super) fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
     let [kx, ky, kz] = frame.k;
     // SAFETY: as in `Avx2`; every row of a block is eight floats.
     unsafe {
@@ -177,7 +282,7 @@ fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
 }
 
 #[inline(always)]
-fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
+pub(super) fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
     // SAFETY: as in `Avx2`.
     unsafe { _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0)) }
 }

@@ -3,15 +3,20 @@
 //! A [`Job`] is an algorithm that is compiled once for every level. [`Level::run`] enters the copy that the CPU can run; inside
 //! it everything is inlined, so that a plain `cargo build --release` is as fast as one for this very CPU.
 //!
-//! Invariant: all levels give the same bits. No fused multiply-add, no approximate reciprocal.
+//! Invariant: all levels give the same hits, bit for bit, and the same trees. Fused multiply-adds are used for box tests alone,
+//! which are conservative whichever way they round; no approximate reciprocals.
 #![allow(unsafe_code, reason = "intrinsics need it; each block says why it is sound")]
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod block;
+mod boxes;
 mod portable;
 
 pub(crate) use block::{Block, LANES};
+pub(crate) use boxes::{BoxRay, Boxes};
 
 use crate::geom::RayFrame;
 
@@ -24,6 +29,8 @@ enum Kind {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
 }
 
 impl Level {
@@ -42,8 +49,16 @@ impl Level {
         if std::arch::is_x86_feature_detected!("avx2")
             && std::arch::is_x86_feature_detected!("bmi1")
             && std::arch::is_x86_feature_detected!("bmi2")
+            && std::arch::is_x86_feature_detected!("fma")
         {
             levels.push(Self(Kind::Avx2));
+            if std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+                && std::arch::is_x86_feature_detected!("avx512dq")
+                && std::arch::is_x86_feature_detected!("avx512bw")
+            {
+                levels.push(Self(Kind::Avx512));
+            }
         }
         levels
     }
@@ -54,6 +69,8 @@ impl Level {
             Kind::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
         }
     }
 
@@ -63,8 +80,11 @@ impl Level {
         match self.0 {
             Kind::Portable => job.run::<portable::Portable>(),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, BMI1 and BMI2.
+            // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, FMA, BMI1 and BMI2.
             Kind::Avx2 => unsafe { avx2::enter(job) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: a `Level` of this kind is only made where the CPU has these, and AVX-512 F, VL, DQ and BW.
+            Kind::Avx512 => unsafe { avx512::enter(job) },
         }
     }
 }
@@ -87,6 +107,11 @@ pub(crate) struct Sifted {
     pub(crate) certain: u32,
 }
 
+/// Where a ray enters boxes, lane by lane.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(32))]
+pub(crate) struct Entered<const W: usize>(pub(crate) [f32; W]);
+
 /// What an instruction set must offer. Implementations are `#[inline(always)]`.
 pub(crate) trait Kernels: Copy {
     /// A ray's frame, spread over the lanes.
@@ -100,6 +125,15 @@ pub(crate) trait Kernels: Copy {
 
     /// Which lanes THE triangle test might accept, and which it surely does.
     fn sift(frame: &Self::Frame, block: &Block) -> Sifted;
+
+    /// A ray, spread over the lanes of boxes.
+    type BoxRay: Copy;
+
+    /// Spreads a ray over the lanes of boxes.
+    fn box_ray(ray: &BoxRay) -> Self::BoxRay;
+
+    /// Which of the boxes the ray meets not after `end`: a bit a lane; `t` gets where it enters them. `W` is 4 or 8.
+    fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);

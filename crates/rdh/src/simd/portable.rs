@@ -1,6 +1,6 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
-use super::{Block, Kernels, LANES, Sifted};
+use super::{Block, BoxRay, Boxes, Entered, Kernels, LANES, Sifted};
 use crate::geom::{RayFrame, larger, smaller};
 
 /// Plain loops.
@@ -9,6 +9,7 @@ pub(crate) struct Portable;
 
 impl Kernels for Portable {
     type Frame = RayFrame;
+    type BoxRay = BoxRay;
 
     #[inline(always)]
     fn frame(frame: &RayFrame) -> RayFrame {
@@ -50,6 +51,26 @@ impl Kernels for Portable {
             sifted.certain |= u32::from(inside && within) << i;
         }
         sifted
+    }
+
+    #[inline(always)]
+    fn box_ray(ray: &BoxRay) -> BoxRay {
+        *ray
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+        let (mut near, mut far) = ([ray.t_min; W], [end; W]);
+        for a in 0..3 {
+            let side = ray.near[a] & 1;
+            let (first, last) = (&boxes.planes[side][a], &boxes.planes[side ^ 1][a]);
+            for i in 0..W {
+                near[i] = larger(first[i] * ray.inverse[a] + ray.enters[a], near[i]);
+                far[i] = smaller(last[i] * ray.inverse[a] + ray.leaves[a], far[i]);
+            }
+        }
+        t.0 = near;
+        (0..W).fold(0, |met, i| met | u32::from(near[i] <= far[i]) << i)
     }
 
     #[inline(always)]

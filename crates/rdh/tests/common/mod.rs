@@ -20,6 +20,10 @@ pub const SPECS: &[&str] = &[
     "kd(split=exact)+rdh(prior=0)",
     "kd(leaf=1)+rdh(rays=whole,cap=100)",
     "kd(prune=visits)+rdh(prior=2)",
+    "bvh2+sah",
+    "bvh4+sah",
+    "bvh8+sah",
+    "bvh8(quick)+sah",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

@@ -1,0 +1,177 @@
+//! The binary tree that all wide trees are made of: top-down, greedy, O(N log N), parallel, the same on any number of threads.
+//!
+//! ```text
+//! grow(primitives):
+//!     leaf, if one test of eight does
+//!     split = the cheapest plane between bins; the middle, if centres coincide or the tree would get too deep   (split.rs)
+//!     part the primitives in place, grow both sides
+//! ```
+//! Invariant: the builder sees boxes, never a mesh.
+
+use super::extent::Extent;
+use super::split::{Centres, Search, Split};
+use crate::error::{Error, Result};
+use crate::mem::reserve;
+use crate::options::Watch;
+use crate::simd::LANES;
+
+/// A node of a binary tree in preorder: a node's left child is the next one, its right child comes after the left one's
+/// subtree. A box, and in its payload for an interior node 0 and the right child, for a leaf how many primitives it has and
+/// which is the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BinaryNode(pub(crate) Extent);
+
+impl BinaryNode {
+    /// A leaf over a range of primitives, not an empty one.
+    #[inline(always)]
+    pub(crate) fn leaf(extent: Extent, first: usize, count: usize) -> Self {
+        Self(extent.with(first as u32, count as u32))
+    }
+
+    /// An interior node.
+    #[inline(always)]
+    pub(crate) fn interior(extent: Extent, right: u32) -> Self {
+        Self(extent.with(right, 0))
+    }
+
+    /// Whether it has children.
+    #[inline(always)]
+    pub(crate) fn is_interior(&self) -> bool {
+        self.0.count == 0
+    }
+
+    /// A leaf's range of primitives.
+    #[inline(always)]
+    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+        let first = self.0.link as usize;
+        first..first + self.0.count as usize
+    }
+
+    /// An interior node's right child.
+    #[inline(always)]
+    pub(crate) fn right(&self) -> usize {
+        self.0.link as usize
+    }
+
+    /// The same node in a list where all nodes have moved up.
+    fn moved(self, by: u32) -> Self {
+        if self.is_interior() { Self::interior(self.0, self.0.link + by) } else { self }
+    }
+}
+
+/// The deepest that a binary tree gets, in edges.
+pub(crate) const DEEPEST: u32 = 64;
+/// Larger subtrees grow in a list of their own, on two threads if there are.
+const OWN_ABOVE: usize = 1 << 14;
+
+/// Grows a tree over primitives, whose order changes.
+pub(crate) fn grow(primitives: &mut [Extent], search: Search, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
+    let (extent, centres) = search.measure(primitives);
+    Grower { search, watch }.grow(primitives, 0, Todo { extent, centres, depth: 0 })
+}
+
+/// What stays the same for all nodes.
+struct Grower<'a> {
+    search: Search,
+    watch: &'a Watch<'a>,
+}
+
+/// A node to be built.
+struct Todo {
+    extent: Extent,
+    centres: Centres,
+    depth: u32,
+}
+
+impl Grower<'_> {
+    /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
+    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Todo) -> Result<Vec<BinaryNode>> {
+        let n = primitives.len();
+        if n <= OWN_ABOVE {
+            let mut nodes = Vec::new();
+            // A binary tree with leaves of at least four on average.
+            reserve(&mut nodes, n / 2 + 1, "nodes")?;
+            self.grow_in(&mut nodes, primitives, first, todo)?;
+            return Ok(nodes);
+        }
+        self.watch.check_cancelled()?;
+        let (left, [todo_left, todo_right]) = self.part(primitives, &todo);
+        let (low, high) = primitives.split_at_mut(left);
+        let grow_left = || self.grow(low, first, todo_left);
+        let grow_right = || self.grow(high, first + left, todo_right);
+        let (l, r) =
+            if self.search.parallel { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
+        join(todo.extent, l?, r?)
+    }
+
+    /// Small subtrees: one thread, one list.
+    fn grow_in(&self, nodes: &mut Vec<BinaryNode>, primitives: &mut [Extent], first: usize, todo: Todo) -> Result<()> {
+        let n = primitives.len();
+        if n <= LANES {
+            self.watch.report(n);
+            reserve(nodes, 1, "nodes")?;
+            nodes.push(BinaryNode::leaf(todo.extent, first, n));
+            return Ok(());
+        }
+        if n > 1024 {
+            self.watch.check_cancelled()?;
+        }
+        let (left, [todo_left, todo_right]) = self.part(primitives, &todo);
+        let (low, high) = primitives.split_at_mut(left);
+        let place = nodes.len();
+        reserve(nodes, 1, "nodes")?;
+        nodes.push(BinaryNode::interior(todo.extent, 0));
+        self.grow_in(nodes, low, first, todo_left)?;
+        let right = nodes.len() as u32;
+        self.grow_in(nodes, high, first + left, todo_right)?;
+        nodes[place] = BinaryNode::interior(todo.extent, right);
+        Ok(())
+    }
+
+    /// Parts a node's primitives: how many are on the left, and what both sides are to become.
+    fn part(&self, primitives: &mut [Extent], todo: &Todo) -> (usize, [Todo; 2]) {
+        // Halving from here on must end within the depth that is left.
+        let halvings = primitives.len().div_ceil(LANES).next_power_of_two().trailing_zeros();
+        let split = if todo.depth + halvings < DEEPEST { self.search.best(primitives, &todo.centres) } else { None };
+        match split {
+            Some(split) => self.part_at(primitives, &split, todo.depth + 1),
+            None => self.part_in_the_middle(primitives, todo.depth + 1),
+        }
+    }
+
+    fn part_at(&self, primitives: &mut [Extent], split: &Split, depth: u32) -> (usize, [Todo; 2]) {
+        let (left, [centres_left, centres_right]) = self.search.part(primitives, split);
+        let children = [
+            Todo { extent: split.left, centres: centres_left, depth },
+            Todo { extent: split.right, centres: centres_right, depth },
+        ];
+        (left, children)
+    }
+
+    /// Whole blocks on the left.
+    fn part_in_the_middle(&self, primitives: &mut [Extent], depth: u32) -> (usize, [Todo; 2]) {
+        let left = (primitives.len() / 2).next_multiple_of(LANES).min(primitives.len() - 1);
+        let side = |primitives: &[Extent]| {
+            let (extent, centres) = self.search.measure(primitives);
+            Todo { extent, centres, depth }
+        };
+        (left, [side(&primitives[..left]), side(&primitives[left..])])
+    }
+}
+
+/// A node over two lists.
+fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+    let total = left.len() + right.len() + 1;
+    if total > u32::MAX as usize / 2 {
+        return Err(Error::OverBudget { what: "nodes", limit: u32::MAX as usize / 2 });
+    }
+    let (shift, n) = (1 + left.len() as u32, left.len());
+    reserve(&mut left, right.len() + 1, "nodes")?;
+    let node = BinaryNode::interior(extent, shift);
+    left.push(node);
+    left.copy_within(..n, 1);
+    left[0] = node;
+    left[1..=n].iter_mut().for_each(|node| *node = node.moved(1));
+    left.extend(right.into_iter().map(|node| node.moved(shift)));
+    Ok(left)
+}

@@ -1,0 +1,175 @@
+//! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
+//!
+//! `binary` grows the tree (`split`, `extent`), `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
+//! them; `check` proves them.
+
+mod binary;
+mod check;
+mod collapse;
+mod extent;
+mod layout;
+mod link;
+mod spec;
+mod split;
+mod trace;
+
+pub use layout::Tally;
+pub use spec::{BvhSpec, Effort, Width};
+
+use std::sync::Arc;
+
+use collapse::{Costs, Cuts};
+use extent::Extent;
+use layout::Arrays;
+use link::Link;
+use split::Search;
+
+use crate::error::{Error, Result};
+use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
+use crate::leaf;
+use crate::mem::reserve;
+use crate::mesh::Mesh;
+use crate::options::{BuildOptions, Watch};
+use crate::probe::Probe;
+use crate::simd::{Block, Boxes, Level};
+
+/// A finished hierarchy with up to `W` children a node, and its own copies of the triangles. Plain arrays without pointers.
+#[derive(Debug, Clone)]
+pub struct Bvh<const W: usize> {
+    scale: Scale,
+    /// In scaled space, like all boxes.
+    bounds: Aabb,
+    magnitude: f32,
+    nodes: Vec<Boxes<W>>,
+    blocks: Vec<Block>,
+    masks: Option<Arc<[u32]>>,
+    tally: Tally,
+    level: Level,
+}
+
+/// What a visit of a node costs, and a test of eight triangles.
+const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
+
+impl<const W: usize> Bvh<W> {
+    /// Builds a hierarchy over a mesh. O(N log N).
+    ///
+    /// # Errors
+    /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
+    pub fn build(mesh: &Mesh, spec: &BvhSpec, options: &BuildOptions<'_>) -> Result<Self> {
+        if let Some(limit) = options.max_refs.filter(|&limit| limit < mesh.len()) {
+            return Err(Error::OverBudget { what: "references", limit });
+        }
+        let watch = Watch::new(options, mesh.len());
+        watch.check_cancelled()?;
+        let bounds = mesh.bounds();
+        let scale = Scale::of(&bounds);
+        let bounds = scale.scaled(&bounds);
+        let parallel = options.threads != Some(1);
+        let bins = if spec.effort == Effort::Quick { 16 } else { 32 };
+        let search = Search { level: Level::best(), parallel, bins };
+        let mut primitives = primitives(mesh, scale)?;
+        let nodes = match primitives.len() {
+            0 => Vec::new(),
+            _ => binary::grow(&mut primitives, search, &watch)?,
+        };
+        let mut ids = Vec::new();
+        reserve(&mut ids, primitives.len(), "references")?;
+        ids.extend(primitives.iter().map(|p| p.link));
+        drop(primitives);
+        let area = |i: usize| nodes[i].0.half_area();
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;
+        watch.check_cancelled()?;
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, area, |id| mesh.corners(TriId(id)))?;
+        let Arrays { nodes, blocks, tally } = arrays;
+        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
+        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
+        match options.max_bytes {
+            Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
+            _ => Ok(tree),
+        }
+    }
+
+    /// The same tree, traced with other instructions: for tests and measurements. The answers are the same.
+    pub fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// The nearest hit; of equally near ones that with the smallest id.
+    #[inline]
+    pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        let mut collector = leaf::Closest::default();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
+        collector.0
+    }
+
+    /// Whether anything is hit.
+    #[inline]
+    pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        let mut collector = leaf::Any::default();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
+        collector.0
+    }
+
+    /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
+    pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
+        hits.clear();
+        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut leaf::All(hits) });
+        leaf::in_order(hits);
+    }
+
+    /// How many nodes, leaves and references there are, and how deep they lie.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Bytes of nodes and blocks, masks included.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + self.masks.as_ref().map_or(0, |m| 4 * m.len())
+    }
+
+    /// The box of everything that can be hit.
+    pub fn bounds(&self) -> Aabb {
+        self.unscaled(&self.bounds)
+    }
+
+    /// Visits all leaves: box, depth, triangles.
+    pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, &[u32])) {
+        let mut todo = vec![(0, 1)];
+        while let Some((node, depth)) = todo.pop() {
+            let node: &Boxes<W> = &self.nodes[node];
+            for lane in (0..W).filter(|&lane| node.is_present(lane)) {
+                let link = Link(node.links[lane]);
+                if link.is_leaf() {
+                    let lanes = link.lane() as usize..(link.lane() + link.count()) as usize;
+                    visit(self.unscaled(&node.get(lane)), depth, &self.blocks[link.block()].ids[lanes]);
+                } else {
+                    todo.push((link.index(), depth + 1));
+                }
+            }
+        }
+    }
+
+    fn unscaled(&self, bounds: &Aabb) -> Aabb {
+        let back = 1.0 / self.scale.factor();
+        Aabb { min: bounds.min.map(|x| x * back), max: bounds.max.map(|x| x * back) }
+    }
+
+    /// A hash of all arrays: equal for equal trees.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        hash.update(Boxes::bytes(&self.nodes));
+        hash.update(bytemuck::cast_slice(&self.blocks));
+        hash.digest()
+    }
+}
+
+/// The box and id of every triangle, in scaled space.
+fn primitives(mesh: &Mesh, scale: Scale) -> Result<Vec<Extent>> {
+    let mut primitives = Vec::new();
+    reserve(&mut primitives, mesh.len(), "references")?;
+    primitives.extend((0..mesh.len() as u32).map(|id| {
+        let corners = mesh.corners(TriId(id)).map(|c| c.map(|x| x * scale.factor()));
+        Extent::new(&Aabb::around(&corners), id, 0)
+    }));
+    Ok(primitives)
+}

@@ -1,0 +1,36 @@
+//! The BVH's options as plain data.
+
+use serde::{Deserialize, Serialize};
+
+/// Parameters of a BVH.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct BvhSpec {
+    /// How many children a node has at most.
+    pub width: Width,
+    /// How much work goes into the build.
+    pub effort: Effort,
+}
+
+/// How many children a node has at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Width {
+    /// Two: for comparison with the literature.
+    Two,
+    /// Four.
+    Four,
+    /// Eight: one vector instruction tests all. Recommended.
+    #[default]
+    Eight,
+}
+
+/// How much work goes into the build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Effort {
+    /// The fewest bins: for scenes that change before many rays are cast.
+    Quick,
+    /// Recommended.
+    #[default]
+    Default,
+    /// Nodes are moved about afterwards, where that makes the tree cheaper: for scenes that stay.
+    High,
+}

@@ -1,0 +1,295 @@
+//! Binned surface area heuristic over the primitives' centres: all three axes in one pass.
+//!
+//! Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies* (2007). A child of n primitives is charged for its tests
+//! as they are run, eight at a time; half of that linearly, since steps of eight would hide most differences.
+
+use super::extent::Extent;
+use crate::simd::{Job, Kernels, Level};
+
+/// The most bins an axis gets.
+const MAX_BINS: usize = 32;
+
+/// Where primitives are parted: those whose centres lie in bins up to `bin` go left.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Split {
+    pub(crate) grid: Grid,
+    pub(crate) axis: usize,
+    pub(crate) bin: i32,
+    pub(crate) left: Extent,
+    pub(crate) right: Extent,
+}
+
+impl Split {
+    /// Whether a primitive goes left. No closure: those lose the kernel's instruction set.
+    #[inline(always)]
+    fn has_left<K: Kernels>(&self, primitive: &Extent) -> bool {
+        self.grid.bins_of::<K>(primitive, primitive)[self.axis] <= self.bin
+    }
+}
+
+/// How centres are put into bins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Grid {
+    first: [f32; 8],
+    scale: [f32; 8],
+    last: i32,
+}
+
+/// What is known of a set of primitives before it is split: the box of their doubled centres.
+pub(crate) type Centres = Extent;
+
+impl Grid {
+    /// A grid over a box of doubled centres; nothing if they all coincide.
+    fn over(centres: &Centres, n: usize, most: usize) -> Option<Self> {
+        let bins = (n.next_multiple_of(8) / 2).clamp(8, most);
+        let bounds = centres.bounds();
+        let (mut first, mut scale) = ([1.0; 8], [0.0; 8]);
+        let mut wide = false;
+        for a in 0..3 {
+            let width = bounds.max[a] - bounds.min[a];
+            // A shade less than the number of bins, so that the last centre falls into the last bin.
+            let per_bin = bins as f32 * (1.0 - 1e-6) / width;
+            (first[a], first[a + 4]) = (bounds.min[a], bounds.min[a]);
+            if per_bin.is_finite() {
+                (scale[a], scale[a + 4]) = (per_bin, per_bin);
+                wide = true;
+            }
+        }
+        wide.then_some(Self { first, scale, last: bins as i32 - 1 })
+    }
+
+    /// The bins of two primitives on three axes each; lanes 3 and 7 mean nothing.
+    #[inline(always)]
+    fn bins_of<K: Kernels>(&self, a: &Extent, b: &Extent) -> [i32; 8] {
+        let ([ax, ay, az], [bx, by, bz]) = (a.doubled_centre(), b.doubled_centre());
+        K::bin(&[ax, ay, az, 1.0, bx, by, bz, 1.0], &self.first, &self.scale, self.last)
+    }
+}
+
+/// Bins of all axes: boxes and numbers.
+struct Bins {
+    boxes: [[Extent; MAX_BINS]; 3],
+    counts: [[u32; MAX_BINS]; 3],
+}
+
+impl Bins {
+    const EMPTY: Self = Self { boxes: [[Extent::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+
+    #[inline(always)]
+    fn add(&mut self, primitive: &Extent, bins: [i32; 3]) {
+        for a in 0..3 {
+            let bin = bins[a] as usize & (MAX_BINS - 1);
+            self.boxes[a][bin].grow(primitive);
+            self.counts[a][bin] += 1;
+        }
+    }
+
+    fn merge(mut self, other: &Self) -> Self {
+        for a in 0..3 {
+            for bin in 0..MAX_BINS {
+                self.boxes[a][bin].grow(&other.boxes[a][bin]);
+                self.counts[a][bin] += other.counts[a][bin];
+            }
+        }
+        self
+    }
+}
+
+/// What the tests of `n` primitives count in the cost of a split.
+#[inline(always)]
+pub(crate) fn tests(n: u32) -> f32 {
+    0.5 * (n.div_ceil(8) as f32 + n as f32 * 0.125)
+}
+
+/// Finds splits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Search {
+    pub(crate) level: Level,
+    /// Whether large sets are put into bins by several threads.
+    pub(crate) parallel: bool,
+    /// The most bins an axis gets.
+    pub(crate) bins: usize,
+}
+
+/// Sets of more primitives are put into bins in chunks of this size.
+const CHUNK: usize = 1 << 15;
+
+impl Search {
+    /// The cheapest split, unless all centres coincide. O(n).
+    pub(crate) fn best(&self, primitives: &[Extent], centres: &Centres) -> Option<Split> {
+        let grid = Grid::over(centres, primitives.len(), self.bins)?;
+        if !self.parallel || primitives.len() <= 2 * CHUNK {
+            return self.level.run(Find { primitives, grid });
+        }
+        use rayon::prelude::*;
+        let chunks = primitives.par_chunks(CHUNK).map(|primitives| self.level.run(Fill { primitives, grid }));
+        // Minima and sums of integers: any order gives the same.
+        let bins = chunks.reduce(|| Box::new(Bins::EMPTY), |a, b| Box::new(a.merge(&b)));
+        self.level.run(Choose { bins: &bins, grid })
+    }
+
+    /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place.
+    pub(crate) fn part(&self, primitives: &mut [Extent], split: &Split) -> (usize, [Centres; 2]) {
+        self.level.run(Part { primitives, split })
+    }
+
+    /// The box of some primitives, and that of their doubled centres.
+    pub(crate) fn measure(&self, primitives: &[Extent]) -> (Extent, Centres) {
+        self.level.run(Measure { primitives })
+    }
+}
+
+struct Find<'a> {
+    primitives: &'a [Extent],
+    grid: Grid,
+}
+
+impl Job for Find<'_> {
+    type Output = Option<Split>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<Split> {
+        let mut bins = Bins::EMPTY;
+        fill::<K>(self.primitives, &self.grid, &mut bins);
+        choose(&bins, &self.grid)
+    }
+}
+
+struct Fill<'a> {
+    primitives: &'a [Extent],
+    grid: Grid,
+}
+
+impl Job for Fill<'_> {
+    type Output = Box<Bins>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Box<Bins> {
+        let mut bins = Box::new(Bins::EMPTY);
+        fill::<K>(self.primitives, &self.grid, &mut bins);
+        bins
+    }
+}
+
+struct Choose<'a> {
+    bins: &'a Bins,
+    grid: Grid,
+}
+
+impl Job for Choose<'_> {
+    type Output = Option<Split>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<Split> {
+        choose(self.bins, &self.grid)
+    }
+}
+
+#[inline(always)]
+fn fill<K: Kernels>(primitives: &[Extent], grid: &Grid, bins: &mut Bins) {
+    let pairs = primitives.chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        let b = grid.bins_of::<K>(last, last);
+        bins.add(last, [b[0], b[1], b[2]]);
+    }
+    for pair in pairs {
+        let b = grid.bins_of::<K>(&pair[0], &pair[1]);
+        bins.add(&pair[0], [b[0], b[1], b[2]]);
+        bins.add(&pair[1], [b[4], b[5], b[6]]);
+    }
+}
+
+/// The cheapest plane between bins that leaves something on both sides.
+#[inline(always)]
+fn choose(bins: &Bins, grid: &Grid) -> Option<Split> {
+    let last = grid.last as usize;
+    let (mut best_cost, mut best) = (f32::INFINITY, None);
+    for a in 0..3 {
+        if grid.scale[a] == 0.0 {
+            continue;
+        }
+        let (boxes, counts) = (&bins.boxes[a], &bins.counts[a]);
+        // From the right: what a split after each bin would cost on its right side.
+        let mut right_costs = [0.0; MAX_BINS];
+        let (mut side, mut n) = (Extent::EMPTY, 0);
+        for bin in (1..=last).rev() {
+            side.grow(&boxes[bin]);
+            n += counts[bin];
+            right_costs[bin - 1] = if n == 0 { f32::NAN } else { side.half_area() * tests(n) };
+        }
+        (side, n) = (Extent::EMPTY, 0);
+        for bin in 0..last {
+            side.grow(&boxes[bin]);
+            n += counts[bin];
+            if n == 0 {
+                continue;
+            }
+            // NaN where the right side is empty: no comparison with it holds.
+            let cost = side.half_area() * tests(n) + right_costs[bin];
+            if cost < best_cost {
+                (best_cost, best) = (cost, Some((a, bin)));
+            }
+        }
+    }
+    let (axis, bin) = best?;
+    let (mut left, mut right) = (Extent::EMPTY, Extent::EMPTY);
+    bins.boxes[axis][..=bin].iter().for_each(|b| left.grow(b));
+    bins.boxes[axis][bin + 1..=last].iter().for_each(|b| right.grow(b));
+    Some(Split { grid: *grid, axis, bin: bin as i32, left, right })
+}
+
+struct Part<'a> {
+    primitives: &'a mut [Extent],
+    split: &'a Split,
+}
+
+impl Job for Part<'_> {
+    type Output = (usize, [Centres; 2]);
+
+    /// Two ends move towards each other; what stands on the wrong side is swapped.
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> (usize, [Centres; 2]) {
+        let Self { primitives, split } = self;
+        let (mut low, mut high) = (0, primitives.len());
+        let mut centres = [Centres::EMPTY; 2];
+        loop {
+            while low < high && split.has_left::<K>(&primitives[low]) {
+                centres[0].grow(&centre(&primitives[low]));
+                low += 1;
+            }
+            while low < high && !split.has_left::<K>(&primitives[high - 1]) {
+                centres[1].grow(&centre(&primitives[high - 1]));
+                high -= 1;
+            }
+            if low >= high {
+                return (low, centres);
+            }
+            primitives.swap(low, high - 1);
+        }
+    }
+}
+
+struct Measure<'a> {
+    primitives: &'a [Extent],
+}
+
+impl Job for Measure<'_> {
+    type Output = (Extent, Centres);
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> (Extent, Centres) {
+        let mut both = (Extent::EMPTY, Centres::EMPTY);
+        for p in self.primitives {
+            both.0.grow(p);
+            both.1.grow(&centre(p));
+        }
+        both
+    }
+}
+
+/// A primitive's doubled centre as a box.
+#[inline(always)]
+fn centre(primitive: &Extent) -> Centres {
+    let [x, y, z] = primitive.doubled_centre();
+    Extent { min: [x, y, z], link: 0, negated_max: [-x, -y, -z], count: 0 }
+}

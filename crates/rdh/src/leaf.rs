@@ -1,0 +1,144 @@
+//! Leaves: eight triangles at a time are sifted, what is left goes through THE triangle test, and a collector takes the hits.
+//!
+//! Shared by all structures, so that they cannot disagree about what a hit is.
+
+use crate::geom::{Hit, Ray, RayFrame, TriId, hit_triangle, owns_crossing};
+use crate::simd::{Block, Kernels, LANES};
+
+/// What becomes of hits.
+pub(crate) trait Collector {
+    /// Whether any hit will do, whatever it is: then the test itself can be spared where its outcome is certain.
+    const ANY: bool = false;
+
+    /// Learns that there is a hit, where any will do.
+    #[inline(always)]
+    fn certain(&mut self) {}
+
+    /// Takes a hit; returns the largest `t` that is still of interest, or nothing if the ray is done.
+    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32>;
+}
+
+/// The nearest hit.
+#[derive(Default)]
+pub(crate) struct Closest(pub(crate) Option<Hit>);
+
+impl Collector for Closest {
+    #[inline(always)]
+    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+        if self.0.is_none_or(|best| hit.wins_over(&best)) {
+            self.0 = Some(hit);
+        }
+        Some(self.0.map_or(frame.t_max, |best| best.t))
+    }
+}
+
+/// Whether there is any hit.
+#[derive(Default)]
+pub(crate) struct Any(pub(crate) bool);
+
+impl Collector for Any {
+    const ANY: bool = true;
+
+    #[inline(always)]
+    fn certain(&mut self) {
+        self.0 = true;
+    }
+
+    #[inline(always)]
+    fn take(&mut self, _hit: Hit, _frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+        self.0 = true;
+        None
+    }
+}
+
+/// All hits that own their crossing; one that lies in several cells comes several times.
+pub(crate) struct All<'a>(pub(crate) &'a mut Vec<Hit>);
+
+impl Collector for All<'_> {
+    #[inline(always)]
+    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+        if owns_crossing(frame, &corners()) {
+            self.0.push(hit);
+        }
+        Some(frame.t_max)
+    }
+}
+
+/// Nearest first, then by id; each triangle once.
+pub(crate) fn in_order(hits: &mut Vec<Hit>) {
+    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.tri.cmp(&b.tri)));
+    hits.dedup_by_key(|h| h.tri);
+}
+
+/// One ray's tests of the triangles in leaves.
+pub(crate) struct Tester<'a, K: Kernels> {
+    frame: RayFrame,
+    lanes: K::Frame,
+    ray_mask: u32,
+    masks: Option<&'a [u32]>,
+}
+
+impl<'a, K: Kernels> Tester<'a, K> {
+    /// Prepares a valid ray.
+    #[inline(always)]
+    pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
+        let frame = RayFrame::new(ray);
+        Self { frame, lanes: K::frame(&frame), ray_mask: ray.mask, masks }
+    }
+
+    /// The end of interest, in the ray's own `t`.
+    #[inline(always)]
+    pub(crate) fn t_max(&self) -> f32 {
+        self.frame.t_max
+    }
+
+    /// Tests `count` triangles that begin in a lane of the first block: whether the end of interest has moved; nothing if
+    /// the ray is done.
+    #[inline(always)]
+    pub(crate) fn test_run<C: Collector>(
+        &mut self,
+        blocks: &[Block],
+        lane: u32,
+        count: u32,
+        collector: &mut C,
+    ) -> Option<bool> {
+        let (mut moved, mut left, mut lane) = (false, count, lane);
+        for block in blocks {
+            let here = left.min(LANES as u32 - lane);
+            moved |= self.test(block, ((1u32 << here) - 1) << lane, collector)?;
+            left -= here;
+            lane = 0;
+            if left == 0 {
+                break;
+            }
+        }
+        Some(moved)
+    }
+
+    /// Tests the `wanted` lanes of a block: whether the end of interest has moved; nothing if the ray is done.
+    #[inline(always)]
+    pub(crate) fn test<C: Collector>(&mut self, block: &Block, wanted: u32, collector: &mut C) -> Option<bool> {
+        let sifted = K::sift(&self.lanes, block);
+        if C::ANY && sifted.certain & wanted != 0 && self.masks.is_none() {
+            collector.certain();
+            return None;
+        }
+        let (mut moved, mut candidates) = (false, sifted.possible & wanted);
+        while candidates != 0 {
+            let i = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let id = block.ids[i];
+            let Some(hit) = hit_triangle(&self.frame, &block.corners(i), TriId(id)) else { continue };
+            if self.masks.is_some_and(|m| m[id as usize] & self.ray_mask == 0) {
+                continue;
+            }
+            let t_max = collector.take(hit, &self.frame, || block.corners(i))?;
+            if t_max < self.frame.t_max {
+                self.frame.t_max = t_max;
+                K::shorten(&mut self.lanes, &self.frame);
+                moved = true;
+            }
+        }
+        Some(moved)
+    }
+}

@@ -1,0 +1,79 @@
+//! Boxes side by side, as wide nodes hold them.
+
+use crate::geom::{Aabb, PlaneFrame};
+
+/// `W` boxes, plane by plane, and two words for each: a wide node, whole cache lines without padding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct Boxes<const W: usize> {
+    /// `planes[side][axis][lane]`, side 0 the lower one. Lanes without a box hold planes that no ray meets.
+    pub(crate) planes: [[[f32; W]; 3]; 2],
+    /// What lies in the boxes.
+    pub(crate) links: [u32; W],
+    /// Not used.
+    pub(crate) spare: [u32; W],
+}
+
+impl<const W: usize> Boxes<W> {
+    /// A plane of no box: beyond every plane of a structure (2²¹), and in `t` beyond every pad, so that no ray meets it and no
+    /// comparison sees a NaN.
+    const ABSENT: f32 = (1u128 << 120) as f32;
+
+    /// No boxes.
+    pub(crate) const NONE: Self =
+        Self { planes: [[[Self::ABSENT; W]; 3], [[-Self::ABSENT; W]; 3]], links: [0; W], spare: [0; W] };
+
+    /// Puts a box into a lane.
+    pub(crate) fn set(&mut self, lane: usize, bounds: &Aabb, link: u32) {
+        self.links[lane] = link;
+        for a in 0..3 {
+            self.planes[0][a][lane] = bounds.min[a];
+            self.planes[1][a][lane] = bounds.max[a];
+        }
+    }
+
+    /// Whether there is a box in a lane.
+    pub(crate) fn is_present(&self, lane: usize) -> bool {
+        self.planes[0][0][lane] != Self::ABSENT
+    }
+
+    /// Nodes as bytes.
+    pub(crate) fn bytes(nodes: &[Self]) -> &[u8] {
+        const { assert!(size_of::<Self>() == 32 * W, "padding between nodes") };
+        // SAFETY: plain numbers without padding: the fields' sizes add up to that of the whole.
+        unsafe { std::slice::from_raw_parts(nodes.as_ptr().cast(), size_of_val(nodes)) }
+    }
+
+    /// The box in a lane.
+    pub(crate) fn get(&self, lane: usize) -> Aabb {
+        let side = |s: usize| [0, 1, 2].map(|a| self.planes[s][a][lane]);
+        Aabb { min: side(0), max: side(1) }
+    }
+}
+
+/// A ray's constants for boxes: `t = plane · inverse + enters` for the three planes it meets first, `+ leaves` for the others.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoxRay {
+    pub(crate) inverse: [f32; 3],
+    pub(crate) enters: [f32; 3],
+    pub(crate) leaves: [f32; 3],
+    /// 1 where the ray runs down the axis and meets the upper plane first.
+    pub(crate) near: [usize; 3],
+    pub(crate) t_min: f32,
+}
+
+impl BoxRay {
+    /// Spreads the pads over the planes, as `kd/trace.rs` does.
+    #[inline(always)]
+    pub(crate) fn new(frame: &PlaneFrame) -> Self {
+        let ([x, y, z], [ox, oy, oz], [px, py, pz]) = (frame.inverse, frame.origin, frame.pad);
+        let (sx, sy, sz) = (-ox * x, -oy * y, -oz * z);
+        Self {
+            inverse: [x, y, z],
+            enters: [sx - px, sy - py, sz - pz],
+            leaves: [sx + px, sy + py, sz + pz],
+            near: [(x.to_bits() >> 31) as usize, (y.to_bits() >> 31) as usize, (z.to_bits() >> 31) as usize],
+            t_min: frame.t_min,
+        }
+    }
+}
