@@ -102,7 +102,9 @@ fn built_specs_are_reported_as_asked() {
         let accel = build_spec(&mesh, text);
         assert_eq!(&accel.stats().spec.to_string(), text);
         assert_eq!(accel.stats().triangles, mesh.len());
-        assert_eq!(accel.stats().nodes, 2 * accel.stats().leaves - 1);
+        if text.starts_with("kd") {
+            assert_eq!(accel.stats().nodes, 2 * accel.stats().leaves - 1);
+        }
     }
 }
 
