@@ -2,7 +2,7 @@
 //!
 //! Shared by all structures, so that they cannot disagree about what a hit is.
 
-use crate::geom::{Hit, Ray, RayFrame, TriId, hit_triangle, owns_crossing};
+use crate::geom::{Hit, Ray, RayFrame, TriId, hit_along, owns_crossing};
 use crate::simd::{Block, Kernels, LANES};
 
 /// What becomes of hits.
@@ -82,7 +82,7 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Prepares a valid ray.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
-        let frame = RayFrame::new(ray);
+        let frame = K::ray_frame(ray);
         Self { frame, lanes: K::frame(&frame), ray_mask: ray.mask, masks }
     }
 
@@ -128,7 +128,8 @@ impl<'a, K: Kernels> Tester<'a, K> {
             let i = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
             let id = block.ids[i];
-            let Some(hit) = hit_triangle(&self.frame, &block.corners(i), TriId(id)) else { continue };
+            let corners = block.corners_along(i, self.frame.k);
+            let Some(hit) = hit_along(&self.frame, &corners, TriId(id)) else { continue };
             if self.masks.is_some_and(|m| m[id as usize] & self.ray_mask == 0) {
                 continue;
             }

@@ -3,6 +3,7 @@
 //! Lanes 3 and 7 carry what a record needs beside its box; they take part in no comparison that matters.
 
 use crate::geom::{Aabb, Vec3};
+use crate::simd::Kernels;
 
 /// A box with two words of payload: 32 bytes, one vector.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -36,12 +37,8 @@ impl Extent {
 
     /// Grows to hold another box as well; the payload becomes meaningless.
     #[inline(always)]
-    pub(crate) fn grow(&mut self, other: &Self) {
-        let mine: &mut [f32; 8] = bytemuck::cast_mut(self);
-        let theirs: &[f32; 8] = bytemuck::cast_ref(other);
-        for i in 0..8 {
-            mine[i] = if theirs[i] < mine[i] { theirs[i] } else { mine[i] };
-        }
+    pub(crate) fn grow<K: Kernels>(&mut self, other: &Self) {
+        K::lower(bytemuck::cast_mut(self), bytemuck::cast_ref(other));
     }
 
     /// Half of the box's surface; negative or NaN means nothing for an empty one.

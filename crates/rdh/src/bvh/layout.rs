@@ -62,15 +62,21 @@ struct Layout<'a, F, G, const W: usize> {
     gathered: Vec<u32>,
 }
 
+/// A binary node whose wide node is to be made, the place and lane that link to it, and its depth.
+struct ToPlace {
+    node: usize,
+    parent: Option<(usize, usize)>,
+    depth: usize,
+}
+
 /// Blocks that may wait for more triangles at the same time; leaves that lie far apart should not share one.
 const OPEN: usize = 4;
 
 impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F, G, W> {
     /// Depth first: a node, then what lies below its first child.
     fn place_all(&mut self) -> Result<()> {
-        // A binary node whose wide node is to be made, the place that links to it, and its depth.
-        let mut todo: Vec<(usize, Option<(usize, usize)>, usize)> = vec![(0, None, 0)];
-        while let Some((node, parent, depth)) = todo.pop() {
+        let mut todo = vec![ToPlace { node: 0, parent: None, depth: 0 }];
+        while let Some(ToPlace { node, parent, depth }) = todo.pop() {
             let place = self.new_node()?;
             if let Some((parent, lane)) = parent {
                 self.arrays.nodes[parent].links[lane] = Link::node(place).0;
@@ -88,7 +94,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
             }
             for lane in (0..n).rev().filter(|&i| !self.cuts.is_leaf(self.binary, children[i])) {
                 self.arrays.nodes[place].set(lane, &self.binary[children[lane]].0.bounds(), 0);
-                todo.push((children[lane], Some((place, lane)), depth + 1));
+                todo.push(ToPlace { node: children[lane], parent: Some((place, lane)), depth: depth + 1 });
             }
         }
         Ok(())

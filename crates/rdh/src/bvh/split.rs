@@ -4,7 +4,7 @@
 //! as they are run, eight at a time; half of that linearly, since steps of eight would hide most differences.
 
 use super::extent::Extent;
-use crate::simd::{Job, Kernels, Level};
+use crate::simd::{Job, Kernels, Level, Portable};
 
 /// The most bins an axis gets.
 const MAX_BINS: usize = 32;
@@ -41,7 +41,7 @@ pub(crate) type Centres = Extent;
 impl Grid {
     /// A grid over a box of doubled centres; nothing if they all coincide.
     fn over(centres: &Centres, n: usize, most: usize) -> Option<Self> {
-        let bins = (n.next_multiple_of(8) / 2).clamp(8, most);
+        let bins = n.next_multiple_of(8).clamp(8, most);
         let bounds = centres.bounds();
         let (mut first, mut scale) = ([1.0; 8], [0.0; 8]);
         let mut wide = false;
@@ -76,10 +76,10 @@ impl Bins {
     const EMPTY: Self = Self { boxes: [[Extent::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
 
     #[inline(always)]
-    fn add(&mut self, primitive: &Extent, bins: [i32; 3]) {
-        for a in 0..3 {
-            let bin = bins[a] as usize & (MAX_BINS - 1);
-            self.boxes[a][bin].grow(primitive);
+    fn add<K: Kernels>(&mut self, primitive: &Extent, bins: [i32; 3]) {
+        for (a, bin) in bins.into_iter().enumerate() {
+            let bin = bin as usize & (MAX_BINS - 1);
+            self.boxes[a][bin].grow::<K>(primitive);
             self.counts[a][bin] += 1;
         }
     }
@@ -87,7 +87,7 @@ impl Bins {
     fn merge(mut self, other: &Self) -> Self {
         for a in 0..3 {
             for bin in 0..MAX_BINS {
-                self.boxes[a][bin].grow(&other.boxes[a][bin]);
+                self.boxes[a][bin].grow::<Portable>(&other.boxes[a][bin]);
                 self.counts[a][bin] += other.counts[a][bin];
             }
         }
@@ -151,7 +151,7 @@ impl Job for Find<'_> {
     fn run<K: Kernels>(self) -> Option<Split> {
         let mut bins = Bins::EMPTY;
         fill::<K>(self.primitives, &self.grid, &mut bins);
-        choose(&bins, &self.grid)
+        choose::<K>(&bins, &self.grid)
     }
 }
 
@@ -181,7 +181,7 @@ impl Job for Choose<'_> {
 
     #[inline(always)]
     fn run<K: Kernels>(self) -> Option<Split> {
-        choose(self.bins, &self.grid)
+        choose::<K>(self.bins, &self.grid)
     }
 }
 
@@ -190,18 +190,18 @@ fn fill<K: Kernels>(primitives: &[Extent], grid: &Grid, bins: &mut Bins) {
     let pairs = primitives.chunks_exact(2);
     if let [last] = pairs.remainder() {
         let b = grid.bins_of::<K>(last, last);
-        bins.add(last, [b[0], b[1], b[2]]);
+        bins.add::<K>(last, [b[0], b[1], b[2]]);
     }
     for pair in pairs {
         let b = grid.bins_of::<K>(&pair[0], &pair[1]);
-        bins.add(&pair[0], [b[0], b[1], b[2]]);
-        bins.add(&pair[1], [b[4], b[5], b[6]]);
+        bins.add::<K>(&pair[0], [b[0], b[1], b[2]]);
+        bins.add::<K>(&pair[1], [b[4], b[5], b[6]]);
     }
 }
 
 /// The cheapest plane between bins that leaves something on both sides.
 #[inline(always)]
-fn choose(bins: &Bins, grid: &Grid) -> Option<Split> {
+fn choose<K: Kernels>(bins: &Bins, grid: &Grid) -> Option<Split> {
     let last = grid.last as usize;
     let (mut best_cost, mut best) = (f32::INFINITY, None);
     for a in 0..3 {
@@ -213,13 +213,13 @@ fn choose(bins: &Bins, grid: &Grid) -> Option<Split> {
         let mut right_costs = [0.0; MAX_BINS];
         let (mut side, mut n) = (Extent::EMPTY, 0);
         for bin in (1..=last).rev() {
-            side.grow(&boxes[bin]);
+            side.grow::<K>(&boxes[bin]);
             n += counts[bin];
             right_costs[bin - 1] = if n == 0 { f32::NAN } else { side.half_area() * tests(n) };
         }
         (side, n) = (Extent::EMPTY, 0);
         for bin in 0..last {
-            side.grow(&boxes[bin]);
+            side.grow::<K>(&boxes[bin]);
             n += counts[bin];
             if n == 0 {
                 continue;
@@ -233,8 +233,9 @@ fn choose(bins: &Bins, grid: &Grid) -> Option<Split> {
     }
     let (axis, bin) = best?;
     let (mut left, mut right) = (Extent::EMPTY, Extent::EMPTY);
-    bins.boxes[axis][..=bin].iter().for_each(|b| left.grow(b));
-    bins.boxes[axis][bin + 1..=last].iter().for_each(|b| right.grow(b));
+    for (i, b) in bins.boxes[axis][..=last].iter().enumerate() {
+        if i <= bin { &mut left } else { &mut right }.grow::<K>(b);
+    }
     Some(Split { grid: *grid, axis, bin: bin as i32, left, right })
 }
 
@@ -254,11 +255,11 @@ impl Job for Part<'_> {
         let mut centres = [Centres::EMPTY; 2];
         loop {
             while low < high && split.has_left::<K>(&primitives[low]) {
-                centres[0].grow(&centre(&primitives[low]));
+                centres[0].grow::<K>(&centre(&primitives[low]));
                 low += 1;
             }
             while low < high && !split.has_left::<K>(&primitives[high - 1]) {
-                centres[1].grow(&centre(&primitives[high - 1]));
+                centres[1].grow::<K>(&centre(&primitives[high - 1]));
                 high -= 1;
             }
             if low >= high {
@@ -280,8 +281,8 @@ impl Job for Measure<'_> {
     fn run<K: Kernels>(self) -> (Extent, Centres) {
         let mut both = (Extent::EMPTY, Centres::EMPTY);
         for p in self.primitives {
-            both.0.grow(p);
-            both.1.grow(&centre(p));
+            both.0.grow::<K>(p);
+            both.1.grow::<K>(&centre(p));
         }
         both
     }

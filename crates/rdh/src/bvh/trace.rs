@@ -9,7 +9,7 @@ use super::binary::DEEPEST;
 use super::link::Link;
 use crate::geom::{PlaneFrame, Ray};
 use crate::leaf::{Collector, Tester};
-use crate::mem::Stack;
+use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
 use crate::simd::{BoxRay, Entered, Job, Kernels};
 
@@ -40,10 +40,11 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
         if !ray.is_valid() {
             return;
         }
-        let frame = PlaneFrame::new(ray, tree.scale, &tree.bounds, tree.magnitude);
+        let frame = PlaneFrame::new(ray, tree.scale, tree.magnitude);
         let boxes = K::box_ray(&BoxRay::new(&frame));
         let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
-        let mut stack = Stack::<Entry, STACK>::new();
+        let mut slots = Slots::<Entry, STACK>::new();
+        let mut stack = slots.stack();
         let mut end = frame.t_max;
         let mut link = Link::node(0);
         let mut t = Entered([0.0; W]);
@@ -88,7 +89,7 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
 /// Any hit will do: the likeliest child comes first, in the order of the lanes.
 #[inline(always)]
 fn push_all<const W: usize>(
-    stack: &mut Stack<Entry, STACK>,
+    stack: &mut Stack<'_, Entry, STACK>,
     links: &[u32; W],
     t: &Entered<W>,
     first: Link,
@@ -105,7 +106,7 @@ fn push_all<const W: usize>(
 /// Puts all but the nearest child on the stack, the farthest first; returns the nearest.
 #[inline(always)]
 fn push_in_order<const W: usize>(
-    stack: &mut Stack<Entry, STACK>,
+    stack: &mut Stack<'_, Entry, STACK>,
     links: &[u32; W],
     t: &Entered<W>,
     first: Entry,

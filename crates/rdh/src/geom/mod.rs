@@ -8,7 +8,7 @@ mod triangle;
 pub use aabb::Aabb;
 pub use plane::{PlaneFrame, Scale};
 pub use ray::{GeomId, Hit, InstId, Ray, TriId};
-pub(crate) use triangle::{Depths, hit_triangle, larger, smaller};
+pub(crate) use triangle::{Depths, hit_along, hit_triangle, larger, smaller};
 pub use triangle::{RayFrame, owns_crossing};
 
 /// A point or a direction. Plain arrays, so that no vector library binds the users.

@@ -27,13 +27,20 @@ impl Scale {
     }
 }
 
+/// Whether `x`, not negative, lies within 2^±`range`; or is 0.
+#[inline(always)]
+fn is_near_one(x: f32, range: u32) -> bool {
+    let exponent = (x.to_bits() >> 23).wrapping_sub(127 - range);
+    exponent <= 2 * range || x == 0.0
+}
+
 /// 1 if `x` lies within 2^±`range`, else the power of two that brings it near 1 (as far as f32 has it).
 #[inline(always)]
-fn power_of_two_near_one(x: f32, range: i32) -> f32 {
-    let exponent = ((x.to_bits() >> 23) & 0xff) as i32 - 127;
-    if exponent.abs() <= range || x == 0.0 {
+fn power_of_two_near_one(x: f32, range: u32) -> f32 {
+    if is_near_one(x, range) {
         return 1.0;
     }
+    let exponent = ((x.to_bits() >> 23) & 0xff) as i32 - 127;
     f32::from_bits(((127 - exponent).clamp(1, 254) as u32) << 23)
 }
 
@@ -53,10 +60,6 @@ pub struct PlaneFrame {
     pub t_min: f32,
     /// The ray's own interval, in this space.
     pub t_max: f32,
-    /// Where the ray enters the structure's box, not before its own `t_min`.
-    pub t_near: f32,
-    /// Where it leaves the box, not after its own `t_max`; smaller than `t_near` if it misses.
-    pub t_far: f32,
     /// This space's `t` for 1 of the ray's.
     t_scale: f64,
 }
@@ -71,72 +74,69 @@ impl PlaneFrame {
     /// A reciprocal with which every plane of the structure is nearer than the pad, but those of absent boxes are not.
     const EVERYWHERE: f32 = 128.0;
 
-    /// Prepares a valid ray for a structure that stores its planes by `scale`, in the box `bounds` (scaled too).
+    /// Prepares a valid ray for a structure that stores its planes by `scale`, within `magnitude` of the origin (scaled too).
     #[inline(always)]
-    pub fn new(ray: &Ray, scale: Scale, bounds: &Aabb, magnitude: f32) -> Self {
+    pub fn new(ray: &Ray, scale: Scale, magnitude: f32) -> Self {
         let [dx, dy, dz] = ray.direction;
         let reach = larger(larger(dx.abs(), dy.abs()), dz.abs());
-        let shorten = power_of_two_near_one(reach, 8);
-        let t_scale = f64::from(scale.factor()) / f64::from(shorten);
-        let [ox, oy, oz] = ray.origin;
-        let origin = [ox * scale.factor(), oy * scale.factor(), oz * scale.factor()];
-        let least = reach * shorten * Self::PARALLEL;
+        let slack = RayFrame::slack(ray.origin, magnitude);
+        // Almost always nothing has to be scaled, and the ray starts nearby.
+        if scale.factor() == 1.0 && is_near_one(reach, Self::UNITS) && slack < Self::FAR_SLACK {
+            return Self::nearby(ray.origin, ray.direction, reach, slack, (ray.t_min, ray.t_max), 1.0);
+        }
+        Self::unusual(ray, scale, magnitude, reach)
+    }
+
+    /// Directions of a length within 2^±UNITS are left alone.
+    const UNITS: u32 = 8;
+    /// The slack of rays that start too far away to tell planes apart.
+    const FAR_SLACK: f32 = Self::FAR / (1 << 21) as f32;
+
+    /// A ray whose planes can be told apart, in scaled space and units.
+    #[inline(always)]
+    fn nearby(origin: Vec3, direction: Vec3, reach: f32, slack: f32, (t_min, t_max): (f32, f32), t_scale: f64) -> Self {
+        let least = reach * Self::PARALLEL;
+        // Four lanes, so that one vector does all: the last one is not used.
+        let d = [direction[0], direction[1], direction[2], reach];
+        let inverse = d.map(|d| 1.0 / if d.abs() >= least { d } else { least.copysign(d) });
+        let pad = inverse.map(|x| slack * x.abs());
+        let ([ix, iy, iz, _], [px, py, pz, _]) = (inverse, pad);
+        Self { origin, inverse: [ix, iy, iz], pad: [px, py, pz], t_min, t_max, t_scale }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn unusual(ray: &Ray, scale: Scale, magnitude: f32, reach: f32) -> Self {
+        let shorten = power_of_two_near_one(reach, Self::UNITS);
+        // Powers of two: the reciprocal is exact.
+        let t_scale = f64::from(scale.factor()) * f64::from(1.0 / shorten);
+        let origin = ray.origin.map(|x| x * scale.factor());
+        let interval = ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32);
         let slack = RayFrame::slack(origin, magnitude);
-        let (t_min, t_max) = if t_scale == 1.0 {
-            (ray.t_min, ray.t_max)
-        } else {
-            ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32)
-        };
-        if slack >= Self::FAR / (1 << 21) as f32 {
-            return Self {
-                origin: [0.0; 3],
-                inverse: [Self::EVERYWHERE; 3],
-                pad: [f32::MAX / 4.0; 3],
-                t_min,
-                t_max,
-                t_near: t_min,
-                t_far: t_max,
-                t_scale,
-            };
+        if slack < Self::FAR_SLACK {
+            let direction = ray.direction.map(|x| x * shorten);
+            return Self::nearby(origin, direction, reach * shorten, slack, interval, t_scale);
         }
-        let ([dx, dy, dz], min, max) = (ray.direction, bounds.min, bounds.max);
-        let x = Slab::new(origin[0], dx * shorten, least, slack, (min[0], max[0]));
-        let y = Slab::new(origin[1], dy * shorten, least, slack, (min[1], max[1]));
-        let z = Slab::new(origin[2], dz * shorten, least, slack, (min[2], max[2]));
-        Self {
-            origin,
-            inverse: [x.inverse, y.inverse, z.inverse],
-            pad: [x.pad, y.pad, z.pad],
-            t_min,
-            t_max,
-            t_near: larger(larger(t_min, x.near), larger(y.near, z.near)),
-            t_far: smaller(smaller(t_max, x.far), smaller(y.far, z.far)),
-            t_scale,
+        let (inverse, pad) = ([Self::EVERYWHERE; 3], [f32::MAX / 4.0; 3]);
+        Self { origin: [0.0; 3], inverse, pad, t_min: interval.0, t_max: interval.1, t_scale }
+    }
+
+    /// Where the ray enters a box and where it leaves it, within its own interval; it misses if that is empty.
+    #[inline(always)]
+    pub fn span(&self, bounds: &Aabb) -> (f32, f32) {
+        let (mut near, mut far) = (self.t_min, self.t_max);
+        for a in 0..3 {
+            let (low, high) = (bounds.min[a] - self.origin[a], bounds.max[a] - self.origin[a]);
+            let (t0, t1) = (low * self.inverse[a], high * self.inverse[a]);
+            near = larger(near, smaller(t0, t1) - self.pad[a]);
+            far = smaller(far, larger(t0, t1) + self.pad[a]);
         }
+        (near, far)
     }
 
     /// The ray's `t` in this space.
     #[inline(always)]
     pub fn scaled_t(&self, t: f32) -> f32 {
         (f64::from(t) * self.t_scale) as f32
-    }
-}
-
-/// A ray against the two faces of a box across one axis.
-struct Slab {
-    inverse: f32,
-    pad: f32,
-    near: f32,
-    far: f32,
-}
-
-impl Slab {
-    #[inline(always)]
-    fn new(origin: f32, direction: f32, least: f32, slack: f32, (low, high): (f32, f32)) -> Self {
-        let direction = if direction.abs() >= least { direction } else { least.copysign(direction) };
-        let inverse = 1.0 / direction;
-        let pad = slack * inverse.abs();
-        let (t0, t1) = ((low - origin) * inverse, (high - origin) * inverse);
-        Self { inverse, pad, near: smaller(t0, t1) - pad, far: larger(t0, t1) + pad }
     }
 }

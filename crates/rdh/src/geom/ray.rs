@@ -45,8 +45,8 @@ impl Ray {
     /// Whether it can hit anything: finite, with a direction and a non-empty interval.
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
-        // A sum of products with zero is NaN as soon as one of them is infinite or NaN. Plain sums, no closures: this is
-        // compiled into kernels, where closures lose the kernel's instruction set.
+        // A product with zero is NaN if a factor is infinite or NaN. No closures: this is compiled into kernels, where
+        // closures lose the kernel's instruction set.
         let ([ox, oy, oz], [dx, dy, dz]) = (self.origin, self.direction);
         let finite = (ox * 0.0 + oy * 0.0 + oz * 0.0) + (dx * 0.0 + dy * 0.0 + dz * 0.0) == 0.0;
         let moves = dx != 0.0 || dy != 0.0 || dz != 0.0;

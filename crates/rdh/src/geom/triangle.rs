@@ -27,7 +27,7 @@ use super::{GeomId, Hit, InstId, Ray, TriId, Vec3};
 pub struct RayFrame {
     /// The axes that become x, y and z; z is the one along which the ray moves most.
     pub k: [usize; 3],
-    /// The ray's origin.
+    /// The ray's origin, along the frame's axes.
     pub origin: Vec3,
     /// `d_x / d_z` and `d_y / d_z`.
     pub shear: [f32; 2],
@@ -43,24 +43,24 @@ impl RayFrame {
     /// Prepares a valid ray.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let (x, y, z) = (d[0].abs(), d[1].abs(), d[2].abs());
-        let kz = if x > y {
-            if x > z { 0 } else { 2 }
-        } else if y > z {
-            1
+        let ([x, y, z], [ox, oy, oz]) = (ray.direction, ray.origin);
+        // Selected, not indexed: an array indexed by a variable would go through memory.
+        let (k, d, origin) = if x.abs() > y.abs() && x.abs() > z.abs() {
+            ([1, 2, 0], [y, z, x], [oy, oz, ox])
+        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
+            ([2, 0, 1], [z, x, y], [oz, ox, oy])
         } else {
-            2
+            ([0, 1, 2], [x, y, z], [ox, oy, oz])
         };
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        Self {
-            k: [kx, ky, kz],
-            origin: ray.origin,
-            shear: [d[kx] / d[kz], d[ky] / d[kz]],
-            direction_z: d[kz],
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-        }
+        let [dx, dy, dz] = d;
+        Self { k, origin, shear: [dx / dz, dy / dz], direction_z: dz, t_min: ray.t_min, t_max: ray.t_max }
+    }
+
+    /// A corner's coordinates along the frame's axes.
+    #[inline(always)]
+    fn along(&self, corner: &Vec3) -> Vec3 {
+        let [kx, ky, kz] = self.k;
+        [corner[kx], corner[ky], corner[kz]]
     }
 
     /// What the depths of a triangle's corners along z say about a hit's `t`, which lies between theirs.
@@ -124,21 +124,21 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// A corner in the ray's frame: sheared x and y, unsheared depth.
+/// A corner, given along the frame's axes, in the ray's frame: sheared x and y, unsheared depth.
 #[inline(always)]
-fn shear_point(frame: &RayFrame, corner: Vec3) -> Vec3 {
-    let [kx, ky, kz] = frame.k;
-    let z = corner[kz] - frame.origin[kz];
+fn shear_point(frame: &RayFrame, [x, y, z]: Vec3) -> Vec3 {
+    let z = z - frame.origin[2];
     // Separate product and difference: every instruction set must round alike, so never a fused multiply-add.
-    let x = (corner[kx] - frame.origin[kx]) - frame.shear[0] * z;
-    let y = (corner[ky] - frame.origin[ky]) - frame.shear[1] * z;
+    let x = (x - frame.origin[0]) - frame.shear[0] * z;
+    let y = (y - frame.origin[1]) - frame.shear[1] * z;
     [x, y, z]
 }
 
 /// The corners in the ray's frame.
 #[inline(always)]
 fn shear_corners(frame: &RayFrame, corners: &[Vec3; 3]) -> [Vec3; 3] {
-    [shear_point(frame, corners[0]), shear_point(frame, corners[1]), shear_point(frame, corners[2])]
+    let [a, b, c] = corners;
+    [shear_point(frame, frame.along(a)), shear_point(frame, frame.along(b)), shear_point(frame, frame.along(c))]
 }
 
 /// The cross product of two sheared points; its sign is exact.
@@ -156,7 +156,14 @@ fn edge_functions(p: &[Vec3; 3]) -> [f64; 3] {
 /// Tests one triangle; edges and corners count as hit, and so do both ends of the ray's interval.
 #[inline(always)]
 pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let p = shear_corners(frame, corners);
+    let [a, b, c] = corners;
+    hit_along(frame, &[frame.along(a), frame.along(b), frame.along(c)], tri)
+}
+
+/// [`hit_triangle`] for corners that are given along the frame's axes.
+#[inline(always)]
+pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> Option<Hit> {
+    let p = [shear_point(frame, *a), shear_point(frame, *b), shear_point(frame, *c)];
     let w = edge_functions(&p);
     let (some_below, some_above) = (w[0] < 0.0 || w[1] < 0.0 || w[2] < 0.0, w[0] > 0.0 || w[1] > 0.0 || w[2] > 0.0);
     if some_below && some_above {

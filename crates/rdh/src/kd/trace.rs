@@ -12,7 +12,7 @@ use super::node::Node;
 use super::stop::StopRule;
 use crate::geom::{PlaneFrame, Ray, larger, smaller};
 use crate::leaf::{Collector, Tester};
-use crate::mem::Stack;
+use crate::mem::Slots;
 use crate::probe::Probe;
 use crate::simd::{Job, Kernels};
 
@@ -67,14 +67,15 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             return;
         }
         let tree = self.tree;
-        let plane_frame = PlaneFrame::new(self.ray, tree.scale, &tree.bounds, tree.magnitude);
-        let (mut t_near, mut t_far) = (plane_frame.t_near, plane_frame.t_far);
+        let plane_frame = PlaneFrame::new(self.ray, tree.scale, tree.magnitude);
+        let (mut t_near, mut t_far) = plane_frame.span(&tree.bounds);
         if t_near > t_far {
             return;
         }
         let mut tester = Tester::<K>::new(self.ray, tree.masks.as_deref());
         let planes = Planes::new(&plane_frame);
-        let mut stack = Stack::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
+        let mut slots = Slots::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
+        let mut stack = slots.stack();
         let pairs = tree.pairs();
         let mut node = tree.root;
         // The end of interest in the tree's own `t`.

@@ -3,7 +3,7 @@
 
 mod stack;
 
-pub(crate) use stack::Stack;
+pub(crate) use stack::{Slots, Stack};
 
 use crate::error::{Error, Result};
 

@@ -3,8 +3,8 @@
 use std::arch::x86_64::*;
 
 use super::portable::Portable;
-use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
-use crate::geom::{Depths, RayFrame};
+use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
+use crate::geom::{Depths, Ray, RayFrame};
 
 /// Runs a job with AVX2.
 ///
@@ -22,7 +22,8 @@ pub(crate) struct Avx2;
 /// A frame in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    k: [usize; 3],
+    /// Where a corner's coordinates along the frame's axes begin: 0, 8 and 16 in some order.
+    rows: [usize; 3],
     origin: [__m256; 3],
     shear: [__m256; 2],
     pub(super) limits: Limits,
@@ -44,18 +45,19 @@ impl Kernels for Avx2 {
     type BoxRay = WideRay;
 
     #[inline(always)]
+    fn ray_frame(ray: &Ray) -> RayFrame {
+        ray_frame(ray)
+    }
+
+    #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
-        let [kx, ky, kz] = frame.k;
+        let ([kx, ky, kz], [ox, oy, oz]) = (frame.k, frame.origin);
         // SAFETY: see above.
         unsafe {
             Frame {
                 limits: spread(&frame.depths()),
-                k: frame.k,
-                origin: [
-                    _mm256_set1_ps(frame.origin[kx]),
-                    _mm256_set1_ps(frame.origin[ky]),
-                    _mm256_set1_ps(frame.origin[kz]),
-                ],
+                rows: [kx.min(2) * LANES, ky.min(2) * LANES, kz.min(2) * LANES],
+                origin: [_mm256_set1_ps(ox), _mm256_set1_ps(oy), _mm256_set1_ps(oz)],
                 shear: [_mm256_set1_ps(frame.shear[0]), _mm256_set1_ps(frame.shear[1])],
             }
         }
@@ -160,6 +162,15 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
+    fn lower(mine: &mut [f32; 8], theirs: &[f32; 8]) {
+        // SAFETY: see above; both arrays have eight elements.
+        unsafe {
+            let lower = _mm256_min_ps(_mm256_loadu_ps(theirs.as_ptr()), _mm256_loadu_ps(mine.as_ptr()));
+            _mm256_storeu_ps(mine.as_mut_ptr(), lower);
+        }
+    }
+
+    #[inline(always)]
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
         let mut out = [0; 8];
         // SAFETY: see above; all arrays have eight elements.
@@ -170,6 +181,43 @@ impl Kernels for Avx2 {
             _mm256_storeu_si256(out.as_mut_ptr().cast(), bins);
         }
         out
+    }
+}
+
+/// Which axis becomes z, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
+const LONGEST: [u8; 8] = [2, 2, 1, 1, 2, 0, 1, 0];
+/// The frame's axes for each choice of z.
+const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+/// The same as lanes.
+const ORDER: [[i32; 4]; 3] = [[1, 2, 0, 0], [2, 0, 1, 1], [0, 1, 2, 2]];
+
+/// [`RayFrame::new`] without a branch: which component is the longest is as good as random.
+#[inline(always)]
+pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
+    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
+    unsafe {
+        let p = std::ptr::from_ref(ray).cast::<f32>();
+        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
+        let size = _mm_andnot_ps(_mm_set1_ps(-0.0), direction);
+        // x > y, y > z, and x > z in lane 2.
+        let (these, those) = (_mm_shuffle_ps::<0b00_00_01_00>(size, size), _mm_shuffle_ps::<0b10_10_10_01>(size, size));
+        let longer = _mm_movemask_ps(_mm_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
+        let z = usize::from(LONGEST[longer]);
+        let order = _mm_loadu_si128(ORDER[z].as_ptr().cast());
+        let (o, d) = (_mm_permutevar_ps(origin, order), _mm_permutevar_ps(direction, order));
+        let dz = _mm_shuffle_ps::<0b10_10_10_10>(d, d);
+        let shear = _mm_div_ps(d, dz);
+        let (mut from, mut by) = ([0.0; 4], [0.0; 4]);
+        _mm_storeu_ps(from.as_mut_ptr(), o);
+        _mm_storeu_ps(by.as_mut_ptr(), shear);
+        RayFrame {
+            k: AXES[z],
+            origin: [from[0], from[1], from[2]],
+            shear: [by[0], by[1]],
+            direction_z: _mm_cvtss_f32(dz),
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+        }
     }
 }
 
@@ -271,12 +319,12 @@ pub(super) fn spread(limits: &Depths) -> Limits {
 /// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
 pub(super) fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
-    let [kx, ky, kz] = frame.k;
-    // SAFETY: as in `Avx2`; every row of a block is eight floats.
+    let ([x, y, z], p) = (frame.rows, corner.as_ptr().cast::<f32>());
+    // SAFETY: as in `Avx2`; a corner has three rows of eight floats, and a frame's rows begin at 16 at most.
     unsafe {
-        let z = _mm256_sub_ps(_mm256_loadu_ps(corner[kz].as_ptr()), frame.origin[2]);
-        let x = _mm256_sub_ps(_mm256_loadu_ps(corner[kx].as_ptr()), frame.origin[0]);
-        let y = _mm256_sub_ps(_mm256_loadu_ps(corner[ky].as_ptr()), frame.origin[1]);
+        let z = _mm256_sub_ps(_mm256_loadu_ps(p.add(z)), frame.origin[2]);
+        let x = _mm256_sub_ps(_mm256_loadu_ps(p.add(x)), frame.origin[0]);
+        let y = _mm256_sub_ps(_mm256_loadu_ps(p.add(y)), frame.origin[1]);
         (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)), z)
     }
 }

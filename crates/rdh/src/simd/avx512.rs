@@ -2,10 +2,10 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_four, shear};
+use super::avx2::{Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_four, ray_frame, shear};
 use super::portable::Portable;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
-use crate::geom::RayFrame;
+use crate::geom::{Ray, RayFrame};
 
 /// Runs a job with AVX-512.
 ///
@@ -25,6 +25,11 @@ pub(crate) struct Avx512;
 impl Kernels for Avx512 {
     type Frame = Frame;
     type BoxRay = WideRay;
+
+    #[inline(always)]
+    fn ray_frame(ray: &Ray) -> RayFrame {
+        ray_frame(ray)
+    }
 
     #[inline(always)]
     fn frame(frame: &RayFrame) -> Frame {
@@ -102,6 +107,11 @@ impl Kernels for Avx512 {
     #[inline(always)]
     fn weigh<const FROM: bool>(values: &[f32], weights: &[f32], planes: &[f32], sums: &mut [f32]) {
         Avx2::weigh::<FROM>(values, weights, planes, sums);
+    }
+
+    #[inline(always)]
+    fn lower(mine: &mut [f32; 8], theirs: &[f32; 8]) {
+        Avx2::lower(mine, theirs);
     }
 
     #[inline(always)]

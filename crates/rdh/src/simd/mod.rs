@@ -17,8 +17,9 @@ mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use portable::Portable;
 
-use crate::geom::RayFrame;
+use crate::geom::{Ray, RayFrame};
 
 /// A level of instructions that this CPU has: it can only be made by asking the CPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +118,12 @@ pub(crate) trait Kernels: Copy {
     /// A ray's frame, spread over the lanes.
     type Frame: Copy;
 
+    /// [`RayFrame::new`], bit for bit.
+    #[inline(always)]
+    fn ray_frame(ray: &Ray) -> RayFrame {
+        RayFrame::new(ray)
+    }
+
     /// Spreads a frame over the lanes.
     fn frame(frame: &RayFrame) -> Self::Frame;
 
@@ -145,6 +152,9 @@ pub(crate) trait Kernels: Copy {
     /// level alike.
     fn weigh<const FROM: bool>(values: &[f32], weights: &[f32], planes: &[f32], sums: &mut [f32]);
 
+    /// The smaller one of each lane, written to the first; lanes that hold no numbers mean nothing.
+    fn lower(mine: &mut [f32; 8], theirs: &[f32; 8]);
+
     /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
 }
@@ -152,7 +162,6 @@ pub(crate) trait Kernels: Copy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Ray;
 
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {

@@ -27,10 +27,10 @@ impl Kernels for Portable {
         let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
             for i in 0..LANES {
-                let z = block.corners[c][kz][i] - frame.origin[kz];
+                let z = block.corners[c][kz][i] - frame.origin[2];
                 depth[c][i] = z;
-                x[c][i] = (block.corners[c][kx][i] - frame.origin[kx]) - frame.shear[0] * z;
-                y[c][i] = (block.corners[c][ky][i] - frame.origin[ky]) - frame.shear[1] * z;
+                x[c][i] = (block.corners[c][kx][i] - frame.origin[0]) - frame.shear[0] * z;
+                y[c][i] = (block.corners[c][ky][i] - frame.origin[1]) - frame.shear[1] * z;
             }
         }
         let limits = frame.depths();
@@ -91,6 +91,13 @@ impl Kernels for Portable {
                 let counted = if FROM { value >= plane } else { value <= plane };
                 *sum += if counted { weight } else { 0.0 };
             }
+        }
+    }
+
+    #[inline(always)]
+    fn lower(mine: &mut [f32; 8], theirs: &[f32; 8]) {
+        for i in 0..8 {
+            mine[i] = smaller(theirs[i], mine[i]);
         }
     }
 
