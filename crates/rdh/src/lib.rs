@@ -11,6 +11,7 @@
 
 pub mod accel;
 pub mod bvh;
+mod clip;
 pub mod error;
 pub mod fault;
 pub mod geom;

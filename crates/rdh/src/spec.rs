@@ -72,12 +72,12 @@ impl FromStr for Spec {
             let part = Part::parse(part).map_err(fail)?;
             match part.name {
                 "kd" => set_once(&mut structure, StructureSpec::Kd(parse_kd(&part).map_err(fail)?), "structure"),
-                "bvh2" | "bvh4" | "bvh8" => {
+                "bvh2" | "bvh4" | "bvh8" | "sbvh2" | "sbvh4" | "sbvh8" => {
                     set_once(&mut structure, StructureSpec::Bvh(parse_bvh(&part).map_err(fail)?), "structure")
                 }
                 "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
                 "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
-                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8; heuristics: sah, rdh")),
+                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh")),
             }
             .map_err(fail)?;
         }
@@ -161,11 +161,11 @@ fn kd_parameters(kd: &KdSpec) -> Vec<String> {
 
 fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
     let width = match part.name {
-        "bvh2" => Width::Two,
-        "bvh4" => Width::Four,
+        "bvh2" | "sbvh2" => Width::Two,
+        "bvh4" | "sbvh4" => Width::Four,
         _ => Width::Eight,
     };
-    let mut bvh = BvhSpec { width, ..BvhSpec::default() };
+    let mut bvh = BvhSpec { width, spatial: part.name.starts_with('s'), ..BvhSpec::default() };
     for &(key, value) in &part.parameters {
         match (key, value) {
             ("quick", "") => bvh.effort = Effort::Quick,
@@ -177,10 +177,13 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
 }
 
 fn bvh_name(bvh: &BvhSpec) -> &'static str {
-    match bvh.width {
-        Width::Two => "bvh2",
-        Width::Four => "bvh4",
-        Width::Eight => "bvh8",
+    match (bvh.spatial, bvh.width) {
+        (false, Width::Two) => "bvh2",
+        (false, Width::Four) => "bvh4",
+        (false, Width::Eight) => "bvh8",
+        (true, Width::Two) => "sbvh2",
+        (true, Width::Four) => "sbvh4",
+        (true, Width::Eight) => "sbvh8",
     }
 }
 
@@ -332,6 +335,8 @@ mod tests {
             ("rdh", "kd+rdh"),
             ("kd(leaf=8,split=binned)+rdh(prior=16)", "kd+rdh"),
             ("kd+rdh(paper)", "kd+rdh(paper)"),
+            ("sbvh8", "sbvh8+sah"),
+            ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),

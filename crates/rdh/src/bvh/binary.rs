@@ -53,6 +53,11 @@ impl BinaryNode {
         self.0.link as usize
     }
 
+    /// The same node where `more` primitives come before its own.
+    pub(crate) fn with_later_primitives(self, more: u32) -> Self {
+        if self.is_interior() { self } else { Self(self.0.with(self.0.link + more, self.0.count)) }
+    }
+
     /// The same node in a list where all nodes have moved up.
     fn moved(self, by: u32) -> Self {
         if self.is_interior() { Self::interior(self.0, self.0.link + by) } else { self }
@@ -160,7 +165,7 @@ impl Grower<'_> {
 }
 
 /// A node over two lists.
-fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+pub(crate) fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
     let total = left.len() + right.len() + 1;
     if total > u32::MAX as usize / 2 {
         return Err(Error::OverBudget { what: "nodes", limit: u32::MAX as usize / 2 });

@@ -1,14 +1,16 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `binary` grows the tree (`split`, `extent`), `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
+//! `binary` grows the tree (`split`, `extent`), `spatial` one with cut triangles (`chop`), `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
 //! them; `check` proves them.
 
 mod binary;
 mod check;
+mod chop;
 mod collapse;
 mod extent;
 mod layout;
 mod link;
+mod spatial;
 mod spec;
 mod split;
 mod trace;
@@ -22,8 +24,10 @@ use collapse::{Costs, Cuts};
 use extent::Extent;
 use layout::Arrays;
 use link::Link;
+use spatial::Grown;
 use split::Search;
 
+use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::leaf;
@@ -68,14 +72,16 @@ impl<const W: usize> Bvh<W> {
         let bins = if spec.effort == Effort::Quick { 16 } else { 32 };
         let search = Search { level: Level::best(), parallel, bins };
         let mut primitives = primitives(mesh, scale)?;
-        let nodes = match primitives.len() {
-            0 => Vec::new(),
-            _ => binary::grow(&mut primitives, search, &watch)?,
+        let Grown { nodes, ids } = if primitives.is_empty() {
+            Grown::default()
+        } else if spec.spatial {
+            let most = options.max_refs.unwrap_or(usize::MAX).min(mesh.len() + mesh.len() / SPARE);
+            let clipper = TriangleClipper { mesh, scale: scale.factor() };
+            spatial::grow(primitives, &clipper, search, most - mesh.len(), &watch)?
+        } else {
+            let nodes = binary::grow(&mut primitives, search, &watch)?;
+            Grown { nodes, ids: ids(&primitives)? }
         };
-        let mut ids = Vec::new();
-        reserve(&mut ids, primitives.len(), "references")?;
-        ids.extend(primitives.iter().map(|p| p.link));
-        drop(primitives);
         let area = |i: usize| nodes[i].0.half_area();
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;
         watch.check_cancelled()?;
@@ -161,6 +167,16 @@ impl<const W: usize> Bvh<W> {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
+}
+
+/// Spatial splits may add one reference to so many.
+const SPARE: usize = 2;
+
+fn ids(primitives: &[Extent]) -> Result<Vec<u32>> {
+    let mut ids = Vec::new();
+    reserve(&mut ids, primitives.len(), "references")?;
+    ids.extend(primitives.iter().map(|p| p.link));
+    Ok(ids)
 }
 
 /// The box and id of every triangle, in scaled space.

@@ -9,6 +9,8 @@ pub struct BvhSpec {
     pub width: Width,
     /// How much work goes into the build.
     pub effort: Effort,
+    /// Whether primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
+    pub spatial: bool,
 }
 
 /// How many children a node has at most.

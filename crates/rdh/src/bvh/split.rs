@@ -17,6 +17,8 @@ pub(crate) struct Split {
     pub(crate) bin: i32,
     pub(crate) left: Extent,
     pub(crate) right: Extent,
+    /// Half areas times tests, of both sides.
+    pub(crate) cost: f32,
 }
 
 impl Split {
@@ -236,7 +238,7 @@ fn choose<K: Kernels>(bins: &Bins, grid: &Grid) -> Option<Split> {
     for (i, b) in bins.boxes[axis][..=last].iter().enumerate() {
         if i <= bin { &mut left } else { &mut right }.grow::<K>(b);
     }
-    Some(Split { grid: *grid, axis, bin: bin as i32, left, right })
+    Some(Split { grid: *grid, axis, bin: bin as i32, left, right, cost: best_cost })
 }
 
 struct Part<'a> {

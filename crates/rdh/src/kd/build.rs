@@ -13,10 +13,11 @@
 
 use super::branch::{Branch, Branches};
 use super::cost::Costs;
-use super::reference::{Clipper, Reference};
+use super::reference::Reference;
 use super::spec::{KdSpec, Prune};
 use super::split::{Search, Split};
 use super::stop::{Failures, StopRule};
+use crate::clip::Clipper;
 use crate::error::Result;
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
@@ -247,7 +248,7 @@ impl Builder<'_> {
     }
 
     fn cut_straddler(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
-        let (left, right) = self.clipper.split(&r, split.axis, split.plane);
+        let (left, right) = self.clipper.split(r.id, &r.bounds(), split.axis, split.plane);
         let part = |b: Aabb| (!b.is_empty()).then(|| Reference::new(r.id, &b));
         match (part(left), part(right)) {
             // Nothing on either side can only be rounding: a lost reference would be a hole.

@@ -2,12 +2,11 @@
 
 use super::node::{Node, NodeKind};
 use super::reference::Reference;
-use super::{KdTree, clip, references};
+use super::{KdTree, references};
+use crate::clip::{TriangleClipper, split_triangle};
 use crate::fault::{Fault, Faults};
 use crate::geom::{Aabb, RayFrame, TriId, Vec3};
 use crate::mesh::Mesh;
-
-use super::clip::TriangleClipper;
 
 impl KdTree {
     /// All faults of the tree over its mesh, at most 100: links, depth, planes inside their cells, ids and copies of triangles, and
@@ -122,7 +121,7 @@ impl Check<'_> {
     ) -> (Option<Reference>, Option<Reference>) {
         let a = axis.index();
         let slack = RayFrame::slack([0.0; 3], self.tree.magnitude);
-        let (left, right) = clip::split_triangle(corners, axis, split);
+        let (left, right) = split_triangle(corners, axis, split);
         let keep = |side: Aabb| {
             let side = side.intersection(&part.bounds());
             (!side.is_empty()).then(|| Reference::new(part.id, &side))

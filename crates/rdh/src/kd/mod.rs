@@ -6,7 +6,6 @@
 mod branch;
 mod build;
 mod check;
-mod clip;
 mod cost;
 mod events;
 mod layout;
@@ -21,15 +20,15 @@ mod trace;
 pub use cost::Costs;
 pub use layout::Tally;
 pub use node::{Node, NodeKind};
-pub use reference::{Clipper, Reference};
+pub use reference::Reference;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 use std::sync::Arc;
 
 use build::Builder;
-use clip::TriangleClipper;
 use layout::{Arrays, Line};
 
+use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::heuristic::Heuristic;

@@ -38,10 +38,3 @@ impl Reference {
         (low < plane || (flat && flat_left), high > plane || (flat && !flat_left))
     }
 }
-
-/// What cuts primitives: the builder knows boxes and a clipper, never a mesh.
-pub trait Clipper: Sync {
-    /// The boxes of a reference's parts on both sides of a plane inside its box. Conservative: the parts of the primitive
-    /// in the reference's box lie in them. An empty box says that there is nothing on that side.
-    fn split(&self, reference: &Reference, axis: Axis, plane: f32) -> (Aabb, Aabb);
-}

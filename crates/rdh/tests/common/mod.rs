@@ -24,6 +24,8 @@ pub const SPECS: &[&str] = &[
     "bvh4+sah",
     "bvh8+sah",
     "bvh8(quick)+sah",
+    "sbvh2+sah",
+    "sbvh8+sah",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

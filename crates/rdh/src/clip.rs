@@ -4,9 +4,15 @@
 //! prototypes to give the same trees as clipping to all six sides, at half the price. Cuts are made in f64 and rounded
 //! outwards, so that no part of the triangle is ever lost.
 
-use super::reference::{Clipper, Reference};
 use crate::geom::{Aabb, Axis, Vec3};
 use crate::mesh::Mesh;
+
+/// What cuts primitives: builders know boxes and a clipper, never a mesh.
+pub(crate) trait Clipper: Sync {
+    /// The boxes of the parts, on both sides of a plane, of that part of a primitive that lies in `bounds`. Conservative: the parts
+    /// lie in them. An empty box says that there is nothing on that side.
+    fn split(&self, id: u32, bounds: &Aabb, axis: Axis, plane: f32) -> (Aabb, Aabb);
+}
 
 /// Cuts a mesh's triangles, in the structure's scaled space.
 pub(crate) struct TriangleClipper<'a> {
@@ -17,17 +23,15 @@ pub(crate) struct TriangleClipper<'a> {
 impl TriangleClipper<'_> {
     /// The scaled corners of a triangle.
     #[inline(always)]
-    pub(super) fn corners(&self, id: u32) -> [Vec3; 3] {
+    pub(crate) fn corners(&self, id: u32) -> [Vec3; 3] {
         self.mesh.triangles()[id as usize].map(|i| self.mesh.positions()[i as usize].map(|x| x * self.scale))
     }
 }
 
 impl Clipper for TriangleClipper<'_> {
-    fn split(&self, reference: &Reference, axis: Axis, plane: f32) -> (Aabb, Aabb) {
-        let corners = self.corners(reference.id);
-        let (left, right) = split_triangle(&corners, axis, plane);
-        let bounds = reference.bounds();
-        (left.intersection(&bounds), right.intersection(&bounds))
+    fn split(&self, id: u32, bounds: &Aabb, axis: Axis, plane: f32) -> (Aabb, Aabb) {
+        let (left, right) = split_triangle(&self.corners(id), axis, plane);
+        (left.intersection(bounds), right.intersection(bounds))
     }
 }
 

@@ -1,0 +1,209 @@
+//! Spatial splits: planes between bins of space, into which references are chopped.
+
+use super::extent::Extent;
+use super::split::tests;
+use crate::clip::Clipper;
+use crate::error::Result;
+use crate::geom::{Aabb, Axis};
+use crate::mem::reserve;
+use crate::simd::{Job, Kernels, Portable};
+
+/// Bins an axis gets.
+const BINS: usize = 32;
+
+/// A plane at which references are cut.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SpatialSplit {
+    axis: Axis,
+    plane: f32,
+    left: Extent,
+    right: Extent,
+    counts: [u32; 2],
+    /// Half areas times tests, of both sides.
+    pub(crate) cost: f32,
+}
+
+impl SpatialSplit {
+    /// How many references it adds to `n`.
+    pub(crate) fn added(&self, n: usize) -> usize {
+        (self.counts[0] as usize + self.counts[1] as usize).saturating_sub(n)
+    }
+
+    /// The references on both sides; those that lie on both are cut, or stay whole where that is cheaper.
+    pub(crate) fn part(&self, references: &[Extent], clipper: &impl Clipper) -> Result<(Vec<Extent>, Vec<Extent>)> {
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        reserve(&mut left, self.counts[0] as usize, "references")?;
+        reserve(&mut right, self.counts[1] as usize, "references")?;
+        for reference in references {
+            let (l, r) = self.cut(reference, clipper);
+            for (side, part) in [(&mut left, l), (&mut right, r)] {
+                if let Some(part) = part {
+                    reserve(side, 1, "references")?;
+                    side.push(part);
+                }
+            }
+        }
+        Ok((left, right))
+    }
+
+    fn cut(&self, reference: &Extent, clipper: &impl Clipper) -> (Option<Extent>, Option<Extent>) {
+        let (bounds, a) = (reference.bounds(), self.axis.index());
+        if bounds.max[a] <= self.plane {
+            return (Some(*reference), None);
+        }
+        if bounds.min[a] >= self.plane {
+            return (None, Some(*reference));
+        }
+        match self.cheapest(reference) {
+            Place::Left => (Some(*reference), None),
+            Place::Right => (None, Some(*reference)),
+            Place::Both => {
+                let (l, r) = clipper.split(reference.link, &bounds, self.axis, self.plane);
+                let part = |part: Aabb| (!part.is_empty()).then(|| Extent::new(&part, reference.link, reference.count));
+                match (part(l), part(r)) {
+                    // Rounding must not lose it.
+                    (None, None) => (Some(*reference), None),
+                    parts => parts,
+                }
+            }
+        }
+    }
+
+    /// Unsplitting: whether a reference that lies on both sides had better stay whole.
+    fn cheapest(&self, reference: &Extent) -> Place {
+        let [l, r] = self.counts;
+        let with = |side: &Extent| {
+            let mut both = *side;
+            both.grow::<Portable>(reference);
+            both.half_area()
+        };
+        let (area_left, area_right) = (self.left.half_area(), self.right.half_area());
+        let both = self.cost;
+        let left = with(&self.left) * tests(l) + area_right * tests(r.saturating_sub(1));
+        let right = area_left * tests(l.saturating_sub(1)) + with(&self.right) * tests(r);
+        if both <= left && both <= right {
+            Place::Both
+        } else if left <= right {
+            Place::Left
+        } else {
+            Place::Right
+        }
+    }
+}
+
+enum Place {
+    Left,
+    Right,
+    Both,
+}
+
+/// Finds the cheapest spatial split of a node's references. O(n + cuts).
+pub(crate) struct Chop<'a, C> {
+    pub(crate) references: &'a [Extent],
+    pub(crate) extent: &'a Extent,
+    pub(crate) clipper: &'a C,
+}
+
+/// Space between two planes: the box of the parts in it, how many references begin in it and how many end.
+#[derive(Clone, Copy)]
+struct Bin {
+    extent: Extent,
+    entries: u32,
+    exits: u32,
+}
+
+impl<C: Clipper> Job for Chop<'_, C> {
+    type Output = Option<SpatialSplit>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<SpatialSplit> {
+        let bounds = self.extent.bounds();
+        let mut best: Option<SpatialSplit> = None;
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            let slabs = Slabs::new(&bounds, axis);
+            if slabs.per_width.is_finite() {
+                let bins = self.fill::<K>(&slabs);
+                best = cheapest::<K>(&bins, &slabs, best);
+            }
+        }
+        best
+    }
+}
+
+impl<C: Clipper> Chop<'_, C> {
+    #[inline(always)]
+    fn fill<K: Kernels>(&self, slabs: &Slabs) -> [Bin; BINS] {
+        let mut bins = [Bin { extent: Extent::EMPTY, entries: 0, exits: 0 }; BINS];
+        let a = slabs.axis.index();
+        for reference in self.references {
+            let (first, last) = (slabs.bin_of(reference.min[a]), slabs.bin_of(-reference.negated_max[a]));
+            bins[first].entries += 1;
+            bins[last].exits += 1;
+            let mut rest = *reference;
+            for (bin, slab) in bins[first..last].iter_mut().zip(first..) {
+                let (part, after) = self.clipper.split(reference.link, &rest.bounds(), slabs.axis, slabs.plane(slab));
+                if !part.is_empty() {
+                    bin.extent.grow::<K>(&Extent::new(&part, 0, 0));
+                }
+                rest = Extent::new(&after, 0, 0);
+            }
+            if !rest.bounds().is_empty() {
+                bins[last].extent.grow::<K>(&rest);
+            }
+        }
+        bins
+    }
+}
+
+/// Slabs of equal width along an axis.
+struct Slabs {
+    axis: Axis,
+    first: f32,
+    width: f32,
+    per_width: f32,
+}
+
+impl Slabs {
+    fn new(bounds: &Aabb, axis: Axis) -> Self {
+        let (first, last) = (bounds.min[axis.index()], bounds.max[axis.index()]);
+        let width = (last - first) / BINS as f32;
+        Self { axis, first, width, per_width: 1.0 / width }
+    }
+
+    #[inline(always)]
+    fn bin_of(&self, x: f32) -> usize {
+        (((x - self.first) * self.per_width) as usize).min(BINS - 1)
+    }
+
+    /// The plane behind a slab.
+    #[inline(always)]
+    fn plane(&self, slab: usize) -> f32 {
+        self.first + (slab + 1) as f32 * self.width
+    }
+}
+
+#[inline(always)]
+fn cheapest<K: Kernels>(bins: &[Bin; BINS], slabs: &Slabs, mut best: Option<SpatialSplit>) -> Option<SpatialSplit> {
+    let mut rights = [(Extent::EMPTY, 0); BINS];
+    let (mut side, mut n) = (Extent::EMPTY, 0);
+    for i in (1..BINS).rev() {
+        side.grow::<K>(&bins[i].extent);
+        n += bins[i].exits;
+        rights[i - 1] = (side, n);
+    }
+    (side, n) = (Extent::EMPTY, 0);
+    for (i, bin) in bins[..BINS - 1].iter().enumerate() {
+        side.grow::<K>(&bin.extent);
+        n += bin.entries;
+        let (right, m) = rights[i];
+        if n == 0 || m == 0 {
+            continue;
+        }
+        let cost = side.half_area() * tests(n) + right.half_area() * tests(m);
+        if best.is_none_or(|best| cost < best.cost) {
+            best =
+                Some(SpatialSplit { axis: slabs.axis, plane: slabs.plane(i), left: side, right, counts: [n, m], cost });
+        }
+    }
+    best
+}
