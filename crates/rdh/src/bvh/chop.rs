@@ -8,7 +8,7 @@ use crate::geom::{Aabb, Axis};
 use crate::mem::reserve;
 use crate::simd::{Job, Kernels, Portable};
 
-/// Bins an axis gets.
+/// The most bins an axis gets.
 const BINS: usize = 32;
 
 /// A plane at which references are cut.
@@ -120,7 +120,7 @@ impl<C: Clipper> Job for Chop<'_, C> {
         let bounds = self.extent.bounds();
         let mut best: Option<SpatialSplit> = None;
         for axis in [Axis::X, Axis::Y, Axis::Z] {
-            let slabs = Slabs::new(&bounds, axis);
+            let slabs = Slabs::new(&bounds, axis, self.references.len());
             if slabs.per_width.is_finite() {
                 let bins = self.fill::<K>(&slabs);
                 best = cheapest::<K>(&bins, &slabs, best);
@@ -161,18 +161,21 @@ struct Slabs {
     first: f32,
     width: f32,
     per_width: f32,
+    count: usize,
 }
 
 impl Slabs {
-    fn new(bounds: &Aabb, axis: Axis) -> Self {
+    /// Few references need few slabs: each one that a reference spans costs a cut.
+    fn new(bounds: &Aabb, axis: Axis, n: usize) -> Self {
+        let count = (n / 8).next_power_of_two().clamp(8, BINS);
         let (first, last) = (bounds.min[axis.index()], bounds.max[axis.index()]);
-        let width = (last - first) / BINS as f32;
-        Self { axis, first, width, per_width: 1.0 / width }
+        let width = (last - first) / count as f32;
+        Self { axis, first, width, per_width: 1.0 / width, count }
     }
 
     #[inline(always)]
     fn bin_of(&self, x: f32) -> usize {
-        (((x - self.first) * self.per_width) as usize).min(BINS - 1)
+        (((x - self.first) * self.per_width) as usize).min(self.count - 1)
     }
 
     /// The plane behind a slab.
@@ -186,13 +189,13 @@ impl Slabs {
 fn cheapest<K: Kernels>(bins: &[Bin; BINS], slabs: &Slabs, mut best: Option<SpatialSplit>) -> Option<SpatialSplit> {
     let mut rights = [(Extent::EMPTY, 0); BINS];
     let (mut side, mut n) = (Extent::EMPTY, 0);
-    for i in (1..BINS).rev() {
+    for i in (1..slabs.count).rev() {
         side.grow::<K>(&bins[i].extent);
         n += bins[i].exits;
         rights[i - 1] = (side, n);
     }
     (side, n) = (Extent::EMPTY, 0);
-    for (i, bin) in bins[..BINS - 1].iter().enumerate() {
+    for (i, bin) in bins[..slabs.count - 1].iter().enumerate() {
         side.grow::<K>(&bin.extent);
         n += bin.entries;
         let (right, m) = rights[i];
