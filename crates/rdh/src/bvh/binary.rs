@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! grow(primitives):
-//!     leaf, if one test of eight does
+//!     leaf, if there are few enough
 //!     split = the cheapest plane between bins; the middle, if centres coincide or the tree would get too deep   (split.rs)
 //!     part the primitives in place, grow both sides
 //! ```
@@ -13,7 +13,6 @@ use super::split::{Centres, Search, Split};
 use crate::error::{Error, Result};
 use crate::mem::reserve;
 use crate::options::Watch;
-use crate::simd::LANES;
 
 /// A node of a binary tree in preorder: a node's left child is the next one, its right child comes after the left one's
 /// subtree. A box, and in its payload for an interior node 0 and the right child, for a leaf how many primitives it has and
@@ -94,8 +93,8 @@ impl Grower<'_> {
         let n = primitives.len();
         if n <= OWN_ABOVE {
             let mut nodes = Vec::new();
-            // A binary tree with leaves of at least four on average.
-            reserve(&mut nodes, n / 2 + 1, "nodes")?;
+            // Leaves are half full on average.
+            reserve(&mut nodes, 4 * n / self.search.leaf + 1, "nodes")?;
             self.grow_in(&mut nodes, primitives, first, todo)?;
             return Ok(nodes);
         }
@@ -112,7 +111,7 @@ impl Grower<'_> {
     /// Small subtrees: one thread, one list.
     fn grow_in(&self, nodes: &mut Vec<BinaryNode>, primitives: &mut [Extent], first: usize, todo: Todo) -> Result<()> {
         let n = primitives.len();
-        if n <= LANES {
+        if n <= self.search.leaf {
             self.watch.report(n);
             reserve(nodes, 1, "nodes")?;
             nodes.push(BinaryNode::leaf(todo.extent, first, n));
@@ -136,7 +135,7 @@ impl Grower<'_> {
     /// Parts a node's primitives: how many are on the left, and what both sides are to become.
     fn part(&self, primitives: &mut [Extent], todo: &Todo) -> (usize, [Todo; 2]) {
         // Halving from here on must end within the depth that is left.
-        let halvings = primitives.len().div_ceil(LANES).next_power_of_two().trailing_zeros();
+        let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
         let split = if todo.depth + halvings < DEEPEST { self.search.best(primitives, &todo.centres) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo.depth + 1),
@@ -155,7 +154,7 @@ impl Grower<'_> {
 
     /// Whole blocks on the left.
     fn part_in_the_middle(&self, primitives: &mut [Extent], depth: u32) -> (usize, [Todo; 2]) {
-        let left = (primitives.len() / 2).next_multiple_of(LANES).min(primitives.len() - 1);
+        let left = (primitives.len() / 2).next_multiple_of(self.search.leaf).min(primitives.len() - 1);
         let side = |primitives: &[Extent]| {
             let (extent, centres) = self.search.measure(primitives);
             Todo { extent, centres, depth }

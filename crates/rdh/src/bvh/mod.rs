@@ -1,6 +1,6 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `binary` grows the tree (`split`, `extent`), `spatial` one with cut triangles (`chop`), `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
+//! `binary` grows the tree (`split`, `extent`), `spatial` one with cut triangles (`chop`), `reinsert` improves it, `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
 //! them; `check` proves them.
 
 mod binary;
@@ -10,6 +10,7 @@ mod collapse;
 mod extent;
 mod layout;
 mod link;
+mod reinsert;
 mod spatial;
 mod spec;
 mod split;
@@ -35,7 +36,7 @@ use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::probe::Probe;
-use crate::simd::{Block, Boxes, Level};
+use crate::simd::{Block, Boxes, LANES, Level};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles. Plain arrays without pointers.
 #[derive(Debug, Clone)]
@@ -69,8 +70,13 @@ impl<const W: usize> Bvh<W> {
         let scale = Scale::of(&bounds);
         let bounds = scale.scaled(&bounds);
         let parallel = options.threads != Some(1);
-        let bins = if spec.effort == Effort::Quick { 16 } else { 32 };
-        let search = Search { level: Level::best(), parallel, bins };
+        let (bins, leaf) = match spec.effort {
+            Effort::Quick => (16, LANES),
+            // Smaller leaves than blocks: where joining them pays, the cuts do it.
+            Effort::Default => (32, 4),
+            Effort::High => (32, 2),
+        };
+        let search = Search { level: Level::best(), parallel, bins, leaf };
         let mut primitives = primitives(mesh, scale)?;
         let Grown { nodes, ids } = if primitives.is_empty() {
             Grown::default()
@@ -81,6 +87,10 @@ impl<const W: usize> Bvh<W> {
         } else {
             let nodes = binary::grow(&mut primitives, search, &watch)?;
             Grown { nodes, ids: ids(&primitives)? }
+        };
+        let nodes = match spec.effort {
+            Effort::High => reinsert::reinsert(nodes, parallel, &watch)?,
+            _ => nodes,
         };
         let area = |i: usize| nodes[i].0.half_area();
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;

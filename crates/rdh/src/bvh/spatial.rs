@@ -14,7 +14,6 @@ use crate::clip::Clipper;
 use crate::error::Result;
 use crate::mem::reserve;
 use crate::options::Watch;
-use crate::simd::LANES;
 
 /// A tree over references, and their ids in the order of its leaves.
 #[derive(Default)]
@@ -84,7 +83,7 @@ impl<C: Clipper> Grower<'_, C> {
     fn grow_in(&self, grown: &mut Grown, references: Vec<Extent>, todo: Todo) -> Result<()> {
         let n = references.len();
         reserve(&mut grown.nodes, 1, "nodes")?;
-        if n <= LANES {
+        if n <= self.search.leaf {
             self.watch.report(n);
             grown.nodes.push(BinaryNode::leaf(todo.extent, grown.ids.len(), n));
             reserve(&mut grown.ids, n, "references")?;
@@ -108,7 +107,7 @@ impl<C: Clipper> Grower<'_, C> {
     fn part(&self, references: Vec<Extent>, todo: Todo) -> Result<[Side; 2]> {
         let n = references.len();
         // Halving from here on must end within the depth that is left.
-        let halvings = n.div_ceil(LANES).next_power_of_two().trailing_zeros();
+        let halvings = n.div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
         if todo.depth + halvings + 1 >= DEEPEST {
             return self.part_in_the_middle(references, &todo);
         }
@@ -148,7 +147,7 @@ impl<C: Clipper> Grower<'_, C> {
 
     /// Whole blocks on the left.
     fn part_in_the_middle(&self, references: Vec<Extent>, todo: &Todo) -> Result<[Side; 2]> {
-        let left = (references.len() / 2).next_multiple_of(LANES).min(references.len() - 1);
+        let left = (references.len() / 2).next_multiple_of(self.search.leaf).min(references.len() - 1);
         self.part_after(references, left, todo)
     }
 

@@ -28,7 +28,7 @@ pub enum Width {
 /// How much work goes into the build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Effort {
-    /// The fewest bins: for scenes that change before many rays are cast.
+    /// Half the bins, large leaves: for scenes that change before many rays are cast.
     Quick,
     /// Recommended.
     #[default]

@@ -111,6 +111,8 @@ pub(crate) struct Search {
     pub(crate) parallel: bool,
     /// The most bins an axis gets.
     pub(crate) bins: usize,
+    /// A leaf has at most so many primitives, up to [`LANES`](crate::simd::LANES).
+    pub(crate) leaf: usize,
 }
 
 /// Sets of more primitives are put into bins in chunks of this size.

@@ -26,6 +26,8 @@ pub const SPECS: &[&str] = &[
     "bvh8(quick)+sah",
     "sbvh2+sah",
     "sbvh8+sah",
+    "bvh8(high)+sah",
+    "sbvh4(high)+sah",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

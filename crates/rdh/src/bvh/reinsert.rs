@@ -1,0 +1,255 @@
+//! Moves subtrees to where they make the tree cheaper: what top-down building could not see.
+//!
+//! Meister and Bittner, *Parallel Reinsertion for Bounding Volume Hierarchies Optimization* (EG 2018): for many subtrees at once, the
+//! best new place is searched by branch and bound (section 4.1); of moves that touch the same nodes, the one that gains most wins
+//! (4.2). Cost is the sum of the interior nodes' areas. The same on any number of threads.
+
+use rayon::prelude::*;
+
+use super::binary::{BinaryNode, DEEPEST};
+use super::extent::Extent;
+use crate::error::Result;
+use crate::mem::reserve;
+use crate::options::Watch;
+use crate::simd::Portable;
+
+/// Rounds of search and moves.
+const ROUNDS: usize = 8;
+/// Of all nodes, the largest are searched a place for: one in so many.
+const SHARE: usize = 4;
+
+/// A tree of the same leaves that costs less, or the same tree. O(rounds · N · nodes searched).
+pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
+    if nodes.is_empty() {
+        return Ok(nodes);
+    }
+    let mut tree = Tree::new(&nodes)?;
+    for _ in 0..ROUNDS {
+        watch.check_cancelled()?;
+        let before = (tree.links.clone(), tree.extents.clone());
+        if !tree.round(parallel)? {
+            break;
+        }
+        if tree.depth() > DEEPEST {
+            (tree.links, tree.extents) = before;
+            break;
+        }
+    }
+    tree.in_preorder(nodes)
+}
+
+/// The tree while nodes move about: node 0 is the root.
+struct Tree {
+    extents: Vec<Extent>,
+    links: Vec<Links>,
+}
+
+#[derive(Clone, Copy)]
+struct Links {
+    parent: u32,
+    /// Of an interior node; both 0 for a leaf.
+    children: [u32; 2],
+}
+
+/// A subtree, the node that is to become its sibling, and what that saves.
+#[derive(Clone, Copy)]
+struct Move {
+    node: u32,
+    to: u32,
+    gain: f32,
+}
+
+impl Tree {
+    fn new(nodes: &[BinaryNode]) -> Result<Self> {
+        let (mut extents, mut links) = (Vec::new(), Vec::new());
+        reserve(&mut extents, nodes.len(), "nodes")?;
+        reserve(&mut links, nodes.len(), "nodes")?;
+        extents.extend(nodes.iter().map(|node| node.0));
+        links.resize(nodes.len(), Links { parent: 0, children: [0; 2] });
+        for (i, node) in nodes.iter().enumerate().filter(|(_, node)| node.is_interior()) {
+            let children = [i + 1, node.right()];
+            links[i].children = children.map(|c| c as u32);
+            children.into_iter().for_each(|child| links[child].parent = i as u32);
+        }
+        Ok(Self { extents, links })
+    }
+
+    /// Searches and moves once; whether anything moved.
+    fn round(&mut self, parallel: bool) -> Result<bool> {
+        let candidates = self.candidates()?;
+        let mut moves: Vec<Move> = if parallel {
+            candidates.par_iter().filter_map(|&node| self.best_move(node)).collect()
+        } else {
+            candidates.iter().filter_map(|&node| self.best_move(node)).collect()
+        };
+        moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
+        let mut touched = vec![false; self.links.len()];
+        let mut any = false;
+        for step in moves {
+            let nodes = self.nodes_of(&step);
+            if nodes.iter().any(|&node| touched[node as usize]) || self.is_below(step.to, step.node) {
+                continue;
+            }
+            nodes.iter().for_each(|&node| touched[node as usize] = true);
+            self.apply(&step);
+            any = true;
+        }
+        Ok(any)
+    }
+
+    /// The nodes with the largest boxes, but for the root and its children.
+    fn candidates(&self) -> Result<Vec<u32>> {
+        let mut candidates = Vec::new();
+        reserve(&mut candidates, self.links.len(), "nodes")?;
+        candidates.extend((1..self.links.len() as u32).filter(|&node| self.links[node as usize].parent != 0));
+        let key = |&node: &u32| (std::cmp::Reverse(self.area(node).to_bits()), node);
+        let most = candidates.len().div_ceil(SHARE);
+        if most < candidates.len() {
+            candidates.select_nth_unstable_by_key(most, key);
+            candidates.truncate(most);
+        }
+        candidates.sort_unstable();
+        Ok(candidates)
+    }
+
+    fn area(&self, node: u32) -> f32 {
+        self.extents[node as usize].half_area()
+    }
+
+    fn area_with(&self, node: u32, other: &Extent) -> f32 {
+        let mut both = *other;
+        both.grow::<Portable>(&self.extents[node as usize]);
+        both.half_area()
+    }
+
+    fn sibling(&self, node: u32) -> u32 {
+        let [a, b] = self.links[self.links[node as usize].parent as usize].children;
+        if a == node { b } else { a }
+    }
+
+    /// The best new place of a subtree. Goes up from it; from each ancestor down the other side, as long as a gain is possible.
+    fn best_move(&self, node: u32) -> Option<Move> {
+        let extent = &self.extents[node as usize];
+        let (area, parent) = (extent.half_area(), self.links[node as usize].parent);
+        let mut best = Move { node, to: node, gain: 0.0 };
+        // What leaving saves: the parent goes, the ancestors up to the pivot shrink.
+        let mut saved = self.area(parent);
+        let (mut pivot, mut side) = (parent, self.sibling(node));
+        let mut shrunk = self.extents[side as usize];
+        let mut todo = Vec::with_capacity(64);
+        loop {
+            todo.push((saved, side));
+            while let Some((saved, to)) = todo.pop() {
+                if saved - area <= best.gain {
+                    continue;
+                }
+                // A new parent of both; what lies above the place grows to its size, too.
+                let gain = saved - self.area_with(to, extent);
+                if gain > best.gain {
+                    best = Move { node, to, gain };
+                }
+                let [left, right] = self.links[to as usize].children;
+                if left != 0 {
+                    let inside = gain + self.area(to);
+                    todo.extend([(inside, left), (inside, right)]);
+                }
+            }
+            if pivot == 0 {
+                break;
+            }
+            if pivot != parent {
+                shrunk.grow::<Portable>(&self.extents[side as usize]);
+                saved += self.area(pivot) - shrunk.half_area();
+            }
+            side = self.sibling(pivot);
+            pivot = self.links[pivot as usize].parent;
+        }
+        (best.gain > 0.0 && best.to != node && best.to != self.sibling(node)).then_some(best)
+    }
+
+    /// Whether a node lies in a subtree: earlier moves of the round may have put it there.
+    fn is_below(&self, mut node: u32, root: u32) -> bool {
+        while node != 0 && node != root {
+            node = self.links[node as usize].parent;
+        }
+        node == root
+    }
+
+    /// The nodes whose links a move changes, or relies on.
+    fn nodes_of(&self, step: &Move) -> [u32; 6] {
+        let parent = self.links[step.node as usize].parent;
+        let grandparent = self.links[parent as usize].parent;
+        [step.node, self.sibling(step.node), parent, grandparent, step.to, self.links[step.to as usize].parent]
+    }
+
+    /// Takes a subtree out; its parent becomes that of it and of its new sibling.
+    fn apply(&mut self, step: &Move) {
+        let (node, to) = (step.node, step.to);
+        let (parent, sibling) = (self.links[node as usize].parent, self.sibling(node));
+        let grandparent = self.links[parent as usize].parent;
+        self.replace_child(grandparent, parent, sibling);
+        let above = self.links[to as usize].parent;
+        self.replace_child(above, to, parent);
+        self.links[parent as usize].children = [to, node];
+        self.links[to as usize].parent = parent;
+        self.refit(grandparent);
+        self.refit(parent);
+    }
+
+    fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
+        for child in &mut self.links[parent as usize].children {
+            if *child == old {
+                *child = new;
+            }
+        }
+        self.links[new as usize].parent = parent;
+    }
+
+    /// Boxes from a node up to the root.
+    fn refit(&mut self, mut node: u32) {
+        loop {
+            let [left, right] = self.links[node as usize].children;
+            let mut both = self.extents[left as usize];
+            both.grow::<Portable>(&self.extents[right as usize]);
+            self.extents[node as usize] = both;
+            if node == 0 {
+                return;
+            }
+            node = self.links[node as usize].parent;
+        }
+    }
+
+    fn depth(&self) -> u32 {
+        let (mut deepest, mut todo) = (0, vec![(0u32, 0)]);
+        while let Some((node, depth)) = todo.pop() {
+            deepest = deepest.max(depth);
+            let [left, right] = self.links[node as usize].children;
+            if left != 0 {
+                todo.extend([(left, depth + 1), (right, depth + 1)]);
+            }
+        }
+        deepest
+    }
+
+    /// As the other stages want it; the leaves keep their ranges.
+    fn in_preorder(&self, old: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+        let mut nodes: Vec<BinaryNode> = Vec::new();
+        reserve(&mut nodes, old.len(), "nodes")?;
+        // A node, and the place of the parent whose right child it is.
+        let mut todo: Vec<(u32, Option<usize>)> = vec![(0, None)];
+        while let Some((node, parent)) = todo.pop() {
+            let place = nodes.len();
+            if let Some(parent) = parent {
+                nodes[parent] = BinaryNode::interior(nodes[parent].0, place as u32);
+            }
+            let [left, right] = self.links[node as usize].children;
+            if left == 0 {
+                nodes.push(old[node as usize]);
+            } else {
+                nodes.push(BinaryNode::interior(self.extents[node as usize], 0));
+                todo.extend([(right, Some(place)), (left, None)]);
+            }
+        }
+        Ok(nodes)
+    }
+}
