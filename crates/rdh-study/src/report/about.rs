@@ -29,7 +29,7 @@ pub struct Picture {
 }
 
 /// One picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Panel {
     /// Which structure, or what.
     pub title: String,

@@ -88,14 +88,14 @@ pub(super) fn grouped(value: f64) -> String {
     if value < 0.0 { format!("−{text}") } else { text }
 }
 
-/// A mode's rays in words.
+/// A mode's rays in words, at the beginning of a sentence.
 pub(super) fn rays_of(mode: Mode) -> &'static str {
     match mode {
-        Mode::Primary => "primary rays",
+        Mode::Primary => "Primary rays",
         Mode::Whitted => "Whitted ray tracing",
-        Mode::Path => "diffuse paths",
-        Mode::Ao => "ambient occlusion",
-        Mode::Lidar => "a scanner",
+        Mode::Path => "Diffuse paths",
+        Mode::Ao => "Ambient occlusion",
+        Mode::Lidar => "A scanner’s rays",
     }
 }
 
@@ -128,7 +128,7 @@ fn noun(metric: Metric) -> &'static str {
         Metric::Tests => "tests",
         Metric::Time => "time",
         Metric::Build => "build time",
-        Metric::BuildAndRays => "time for build and training rays",
+        Metric::BuildAndRays => "time for the build and its training rays",
         Metric::Bytes => "memory",
         Metric::References => "references",
         Metric::Worst => "cost at the 99.9th percentile",

@@ -41,7 +41,7 @@ fn finding(pairs: &[&Pair<'_>]) -> Option<Markup> {
     let (build, bytes) = (effect(pairs, Metric::BuildAndRays)?, effect(pairs, Metric::Bytes)?);
     let needed: Vec<f64> = pairs.iter().filter_map(|p| rays_until_paid(p)).collect();
     Some(html! {
-        "With its training rays " code { (ours()) } " takes " (words::said(&build, Metric::BuildAndRays)) ", and " (words::said(&bytes, Metric::Bytes))
+        code { (ours()) } " against " code { (pairs[0].base) } ": " (words::said(&build, Metric::BuildAndRays)) " and " (words::said(&bytes, Metric::Bytes))
         "; it has paid after " (words::grouped(median(&needed))) " rays at the median of the " (words::count(needed.len(), "pair"))
         " that it speeds up (of " (pairs.len()) ")"
     })

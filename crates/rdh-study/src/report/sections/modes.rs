@@ -42,7 +42,7 @@ fn finding(pairs: &[&Pair<'_>], mode: Mode) -> Option<maud::Markup> {
     let here: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| p.job.mode == mode).collect();
     let time: Effect = effect(&here, Metric::Time)?;
     Some(html! {
-        "With " (words::rays_of(mode)) ", " code { (ours()) } " takes " (costs_said(&here)) " than " code { (here[0].base) } ", in "
+        (words::rays_of(mode)) ", " code { (ours()) } " against " code { (here[0].base) } ": " (costs_said(&here)) ", in "
         (words::count(time.n, "view")) " of " (words::count(time.scenes, "scene"))
         "; it is surely faster in " (time.wins) " of them and surely slower in " (time.losses)
     })

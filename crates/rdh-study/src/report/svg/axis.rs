@@ -44,39 +44,34 @@ impl Axis {
         self.from + share.clamp(0.0, 1.0) * (self.to - self.from)
     }
 
-    /// Round numbers on the axis, at least `room` pixels from each other.
+    /// Round numbers on the axis at even steps, as many as keep `room` pixels between them.
     pub(super) fn ticks(&self, room: f64) -> Vec<f64> {
-        let mut kept: Vec<f64> = Vec::new();
-        for value in self.candidates() {
-            let far = |k: &f64| (self.at(*k) - self.at(value)).abs() >= room;
-            if (self.low..=self.high).contains(&value) && kept.iter().all(far) {
-                kept.push(value);
-            }
-        }
-        kept.sort_unstable_by(f64::total_cmp);
-        kept
+        let wide = self.log && self.high / self.low > 8.0;
+        let choices = if wide { self.powers() } else { self.steps() };
+        let apart = |ticks: &[f64]| ticks.windows(2).all(|w| (self.at(w[1]) - self.at(w[0])).abs() >= room);
+        choices.into_iter().find(|c| c.len() > 1 && apart(c)).unwrap_or_default()
     }
 
-    /// Round numbers, the roundest first.
-    fn candidates(&self) -> Vec<f64> {
-        if self.log && self.high / self.low > 8.0 {
-            return self.powers();
-        }
-        let span = self.high - self.low;
-        let unit = 10f64.powf(span.log10().floor());
-        let one = if self.log { vec![1.0] } else { vec![] };
-        let step = |part: f64| {
+    /// Multiples of a round step, the finest first.
+    fn steps(&self) -> Vec<Vec<f64>> {
+        let unit = 10f64.powf((self.high - self.low).log10().floor() - 1.0);
+        let multiples = |part: f64| {
             let step = unit * part;
-            let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
-            (first..=last).map(move |i| i as f64 * step)
+            let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
+            (first..=last).map(|i| i as f64 * step).collect()
         };
-        one.into_iter().chain([1.0, 0.5, 0.2, 0.1].into_iter().flat_map(step)).collect()
+        [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(multiples).into()
     }
 
-    fn powers(&self) -> Vec<f64> {
+    /// Powers of ten with what is round between them, the finest first.
+    fn powers(&self) -> Vec<Vec<f64>> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        let times = |m: f64| (first..=last).map(move |e| m * 10f64.powi(e));
-        [1.0, 2.0, 5.0, 3.0].into_iter().flat_map(times).collect()
+        let inside = |v: &f64| (self.low..=self.high).contains(v);
+        let times = |of: &[f64], each: usize| -> Vec<f64> {
+            let powers = (first..=last).filter(|e| e.rem_euclid(each as i32) == 0);
+            powers.flat_map(|e| of.iter().map(move |m| m * 10f64.powi(e))).filter(inside).collect()
+        };
+        vec![times(&[1.0, 2.0, 5.0], 1), times(&[1.0, 3.0], 1), times(&[1.0], 1), times(&[1.0], 2), times(&[1.0], 3)]
     }
 
     /// Ticks, grid lines from `top` to `bottom`, and numbers below; the axis runs to the right.
