@@ -64,6 +64,9 @@ pub struct Row {
     pub tests_per_ray: f64,
     /// Empty leaves visited a ray.
     pub empty_leaves_per_ray: f64,
+    /// The 99.9th percentile, over rays, of steps + tests.
+    #[serde(default)]
+    pub cost_p999: u64,
     /// One thread's CPU time a ray: the median of the rounds.
     pub nanos_per_ray: f64,
     /// The same of each round. Round `i` of all specs of a case ran next to each other.
@@ -93,9 +96,6 @@ pub struct Row {
     /// The setting's place on the experiment's axis, where it has one: training rays, frames of distance, a weight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-    /// The 99.9th percentile, over rays, of steps + tests.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cost_p999: Option<f64>,
     /// Mean number of surfaces that a ray would cross if it weren't stopped: the measured depth complexity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_complexity: Option<f64>,

@@ -175,6 +175,7 @@ mod tests {
             steps_per_ray: rounds[0] * 10.0,
             tests_per_ray: if scene == "void" { 0.0 } else { rounds[0] / 10.0 },
             empty_leaves_per_ray: 0.0,
+            cost_p999: 0,
             nanos_per_ray: median(rounds),
             round_nanos_per_ray: rounds.to_vec(),
             build_secs: 2.0 * rounds[0],
@@ -188,7 +189,6 @@ mod tests {
             experiment: None,
             setting: None,
             x: None,
-            cost_p999: None,
             depth_complexity: None,
         }
     }

@@ -39,6 +39,13 @@ pub struct Record {
     pub mismatches: Vec<Mismatch>,
 }
 
+impl Record {
+    /// An empty record of a job.
+    pub fn of(job: Job) -> Self {
+        Self { job, rows: Vec::new(), curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
+    }
+}
+
 /// Points of a named quantity over another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
