@@ -80,6 +80,7 @@ pub fn run_loading(plan: &Plan, load: &Load, observer: &mut dyn FnMut(&Event<'_>
         summary: Vec::new(),
         failures: Vec::new(),
         mismatches: Vec::new(),
+        curves: Vec::new(),
     };
     let total = plan.cases().len();
     let mut study = Study { plan, load, observer, pool: pool(plan.threads)?, document, done: 0, total };
