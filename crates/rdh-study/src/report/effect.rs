@@ -55,6 +55,13 @@ impl Effect {
         Some(tally.effect)
     }
 
+    /// The effect over plain ratios, each with its scene.
+    pub(super) fn of_ratios<'s>(ratios: impl IntoIterator<Item = (&'s str, f64)>) -> Option<Self> {
+        let mut tally = Tally::of(ratios.into_iter().map(|(scene, ratio)| (scene, ratio, [ratio; 2])))?;
+        tally.effect.interval = cluster_bootstrap(&tally.clusters(), SEED)?;
+        Some(tally.effect)
+    }
+
     /// The same with every kind of scene counting alike, however many of its scenes there are.
     pub(super) fn by_kind<'p, 'r: 'p>(pairs: impl IntoIterator<Item = &'p Pair<'r>>, metric: Metric) -> Option<Self> {
         let mut kinds: BTreeMap<Kind, Vec<&Pair<'r>>> = BTreeMap::new();
@@ -87,22 +94,29 @@ struct Tally {
 
 impl Tally {
     fn new<'p, 'r: 'p>(pairs: impl IntoIterator<Item = &'p Pair<'r>>, metric: Metric) -> Option<Self> {
-        let (mut scenes, mut ratios) = (BTreeMap::<String, Vec<f64>>::new(), Vec::new());
+        let ratio = |pair: &'p Pair<'r>| {
+            let ratio = pair.ratio(metric)?;
+            Some((pair.job.scene.as_str(), ratio, own_interval(pair, metric, ratio)))
+        };
+        Self::of(pairs.into_iter().filter_map(ratio))
+    }
+
+    /// From ratios with their scenes and their own intervals.
+    fn of<'s>(ratios: impl Iterator<Item = (&'s str, f64, [f64; 2])>) -> Option<Self> {
+        let (mut scenes, mut all) = (BTreeMap::<String, Vec<f64>>::new(), Vec::new());
         let (mut wins, mut losses) = (0, 0);
-        for pair in pairs {
-            let Some(ratio) = pair.ratio(metric).filter(|&r| r > 0.0) else { continue };
-            scenes.entry(pair.job.scene.clone()).or_default().push(ratio);
-            ratios.push(ratio);
-            let [low, high] = own_interval(pair, metric, ratio);
+        for (scene, ratio, [low, high]) in ratios.filter(|r| r.1 > 0.0 && r.1.is_finite()) {
+            scenes.entry(scene.to_owned()).or_default().push(ratio);
+            all.push(ratio);
             wins += usize::from(high < 1.0);
             losses += usize::from(low > 1.0);
         }
-        let mean = geometric_mean(&ratios);
-        let (least, most) = ratios.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &r| (a.min(r), b.max(r)));
-        let effect =
-            Effect { n: ratios.len(), scenes: scenes.len(), mean, interval: [mean; 2], least, most, wins, losses };
-        let singles = ratios.iter().map(|&r| vec![r]).collect();
-        (!ratios.is_empty()).then_some(Self { effect, scenes, singles })
+        let mean = geometric_mean(&all);
+        let (least, most) = all.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &r| (a.min(r), b.max(r)));
+        let (n, interval) = (all.len(), [mean; 2]);
+        let effect = Effect { n, scenes: scenes.len(), mean, interval, least, most, wins, losses };
+        let singles = all.iter().map(|&r| vec![r]).collect();
+        (n > 0).then_some(Self { effect, scenes, singles })
     }
 
     /// Views of one scene are alike; where there is no other scene they stand for themselves.

@@ -2,8 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::sections::{CHAPTERS, Chapter, Section};
-use super::table::table;
+use super::sections::{CHAPTERS, Chapter, Section, glance};
+use super::table::{legend, table};
 use super::view::Study;
 use super::words;
 use crate::rows::{Failure, Mismatch};
@@ -22,7 +22,7 @@ pub(super) fn page(study: &Study<'_>) -> String {
                     (title(study))
                     (faults(study))
                     (question())
-                    (summary(&there))
+                    (summary(study, &there))
                     (contents(&there, &missing))
                     @for (i, (chapter, section)) in there.iter().enumerate() { (write(i + 1, chapter, section)) }
                     (foot(study))
@@ -56,7 +56,7 @@ fn title(study: &Study<'_>) -> Markup {
             p.subtitle { "Kd-trees by surface areas and by sampled rays, measured" }
             p.meta {
                 (words::count(study.scenes().len(), "scene")) " · " (words::count(study.views().len(), "view")) " · "
-                (words::count(study.records.len(), "job")) " · " (words::grouped(study.rays())) " rays"
+                (words::count(study.records.len(), "job"))
                 @if !about.version.is_empty() { " · rdh " (about.version) }
                 @if !about.date.is_empty() { " · " (about.date) }
             }
@@ -119,14 +119,16 @@ fn question() -> Markup {
     }
 }
 
-/// The first finding of every section.
-fn summary(sections: &[(&Chapter, &Section)]) -> Markup {
+/// A picture of the main result, and the first finding of every section that asks something.
+fn summary(study: &Study<'_>, sections: &[(&Chapter, &Section)]) -> Markup {
     let found: Vec<_> = sections.iter().filter_map(|(c, s)| Some((c, s.findings.first()?))).collect();
     html! {
         @if !found.is_empty() {
             section #summary.summary {
                 h2 { "In short" }
-                ul { @for (chapter, finding) in found { li { (finding) ". " a href=(format!("#{}", chapter.id)) { (chapter.title) } } } }
+                (glance(study))
+                ul { @for (chapter, finding) in found { li { a href=(format!("#{}", chapter.id)) { (chapter.title) } (finding) "." } } }
+                (legend())
             }
         }
     }

@@ -189,7 +189,7 @@ impl Cost {
             rrs_secs: row.rrs_secs,
             bytes: row.bytes as f64,
             references: row.references as f64,
-            worst: row.cost_p999,
+            worst: (row.cost_p999 > 0).then_some(row.cost_p999 as f64),
         }
     }
 

@@ -12,9 +12,9 @@ use crate::integrate::Mode;
 pub(super) fn table(caption: &str, heads: &[&str], rows: &[Vec<Markup>]) -> Markup {
     let right = |i: usize| heads.get(i).is_some_and(|h: &&str| h.starts_with('>')).then_some("n");
     html! {
+        p.caption aria-hidden="true" { (caption) }
         div.table tabindex="0" role="region" aria-label=(caption) {
-            table {
-                caption { (caption) }
+            table aria-label=(caption) {
                 thead { tr { @for (i, head) in heads.iter().enumerate() {
                     th scope="col" class=[right(i)] { (head.trim_start_matches('>')) }
                 } } }
@@ -59,29 +59,48 @@ pub(super) fn group<'p, 'r>(pairs: &[&'p Pair<'r>], keys: &[Key]) -> Vec<Group<'
     groups
 }
 
-/// A table of effects, one line a group.
+/// A table of effects, one line a group. Columns in which all groups agree are left out, and so is what stands in the line above.
 pub(super) fn effects(caption: &str, pairs: &[&Pair<'_>], keys: &[Key], metrics: &[Metric]) -> Markup {
     let groups = group(pairs, keys);
-    let varied = |i: usize| i == 0 || groups.iter().any(|g| g.labels[i] != groups[0].labels[i]);
-    let columns: Vec<usize> = (0..keys.len()).filter(|&i| varied(i)).collect();
+    let varied = |i: &usize| *i == 0 || groups.iter().any(|g| g.labels[*i] != groups[0].labels[*i]);
+    let columns: Vec<usize> = (0..keys.len()).filter(varied).collect();
     let mut heads: Vec<String> = columns.iter().map(|&i| keys[i].name().to_owned()).collect();
     heads.push(">pairs".to_owned());
     heads.extend(metrics.iter().map(|m| format!(">{}", m.name())));
     if metrics.contains(&Metric::Time) {
         heads.push(">slower".to_owned());
     }
-    let row = |g: &Group<'_, '_>| {
-        let mut cells: Vec<Markup> = columns.iter().map(|&i| keys[i].cell(&g.labels[i])).collect();
-        cells.push(html! { (g.pairs.len()) });
-        let effect = |m: Metric| Effect::of(g.pairs.iter().copied(), m);
-        cells.extend(metrics.iter().map(|&m| effect(m).map_or_else(|| html! { "–" }, |e| ratio(&e))));
-        if metrics.contains(&Metric::Time) {
-            cells.push(effect(Metric::Time).map_or_else(|| html! { "–" }, |e| html! { (e.losses) }));
-        }
-        cells
+    let row = |(i, g): (usize, &Group<'_, '_>)| {
+        let above = i.checked_sub(1).map(|i| &groups[i]);
+        label_cells(g, above, keys, &columns).into_iter().chain(effect_cells(g, metrics)).collect()
     };
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    table(caption, &heads, &groups.iter().map(row).collect::<Vec<_>>())
+    table(caption, &heads, &groups.iter().enumerate().map(row).collect::<Vec<_>>())
+}
+
+fn label_cells(g: &Group<'_, '_>, above: Option<&Group<'_, '_>>, keys: &[Key], columns: &[usize]) -> Vec<Markup> {
+    let mut again = true;
+    let cell = |&i: &usize| {
+        again &= above.is_some_and(|a| a.labels[i] == g.labels[i]);
+        let cell = keys[i].cell(&g.labels[i]);
+        if again {
+            html! { span.aside { (cell) } }
+        } else {
+            cell
+        }
+    };
+    columns.iter().map(cell).collect()
+}
+
+fn effect_cells(g: &Group<'_, '_>, metrics: &[Metric]) -> Vec<Markup> {
+    let effect = |m: Metric| Effect::of(g.pairs.iter().copied(), m);
+    let none = || html! { "–" };
+    let mut cells = vec![html! { (g.pairs.len()) }];
+    cells.extend(metrics.iter().map(|&m| effect(m).map_or_else(none, |e| ratio(&e))));
+    if metrics.contains(&Metric::Time) {
+        cells.push(effect(Metric::Time).map_or_else(none, |e| html! { (e.losses) }));
+    }
+    cells
 }
 
 /// A mean ratio; its interval below it, and a sign where it is surely less or more than 1.
@@ -102,12 +121,14 @@ pub(super) fn ratio(effect: &Effect) -> Markup {
     }
 }
 
-/// What the signs of [`ratio`] mean.
+/// How numbers and signs are to be read.
 pub(super) fn legend() -> Markup {
     html! {
         p.note {
-            "Ratios to the base, geometric means; below them the 95 % interval. ▾ the interval lies wholly below 1: surely less; "
-            "▴ wholly above 1: surely more; = within 1 % of it. “slower” counts the pairs whose own interval lies wholly above 1."
+            strong { "How to read the figures. " }
+            "They are ratios to the base, geometric means over pairs of the same rays: 0.80 is a fifth less. In sentences the ratio stands in brackets, "
+            "then its 95\u{a0}% interval; in tables the interval stands below it. ▾ the interval lies wholly below 1: surely less; ▴ wholly above 1: "
+            "surely more; = within 1\u{a0}% of it. “slower” counts the pairs whose own interval, over their rounds, lies wholly above 1."
         }
     }
 }
@@ -153,6 +174,7 @@ fn rank(group: &Group<'_, '_>, keys: &[Key]) -> Rank {
         has(Key::Mode).then_some(first.job.mode),
         has(Key::Class).then_some((first.class.is_none(), first.class)),
         has(Key::Kind).then_some(first.kind),
-        has(Key::Setting).then_some(first.x).flatten(),
+        // What has no place on the axis stands after it.
+        has(Key::Setting).then_some(first.x.unwrap_or(f64::INFINITY)),
     )
 }

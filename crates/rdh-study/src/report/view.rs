@@ -88,9 +88,4 @@ impl<'r> Study<'r> {
     pub(super) fn views(&self) -> BTreeSet<(&'r str, &'r str, u32)> {
         self.records.iter().map(|r| (r.job.scene.as_str(), r.job.view.as_str(), r.job.frame)).collect()
     }
-
-    /// Rays that were cast and counted, each structure's for itself.
-    pub(super) fn rays(&self) -> f64 {
-        self.records.iter().flat_map(|r| &r.rows).map(|r| r.rays as f64).sum()
-    }
 }

@@ -7,7 +7,7 @@ use super::effect::{Effect, Verdict};
 use super::pairs::Metric;
 use crate::integrate::Mode;
 
-/// `22 % fewer steps (ratio 0.78, 95 % interval 0.74 to 0.82)`, or that there is no difference.
+/// `22 % fewer steps (0.78, 0.74–0.82)`: in brackets the ratio and its 95 % interval; or that there is no difference.
 pub(super) fn said(effect: &Effect, metric: Metric) -> String {
     format!("{} ({})", change(effect, metric), figures(effect))
 }
@@ -16,7 +16,7 @@ pub(super) fn said(effect: &Effect, metric: Metric) -> String {
 pub(super) fn change(effect: &Effect, metric: Metric) -> String {
     let what = noun(metric);
     match effect.verdict() {
-        Verdict::Same => format!("the same {what} to within 1 %"),
+        Verdict::Same => format!("the same {what} to within 1\u{a0}%"),
         Verdict::Open if effect.n > 1 => format!("no clear difference in {what}"),
         _ => difference(effect.mean, metric),
     }
@@ -33,12 +33,12 @@ pub(super) fn difference(ratio: f64, metric: Metric) -> String {
     }
 }
 
-/// `ratio 0.78, 95 % interval 0.74 to 0.82`
+/// `0.78, 0.74–0.82`
 pub(super) fn figures(effect: &Effect) -> String {
     let [low, high] = effect.interval.map(digits);
     match effect.n {
-        1 => format!("ratio {}, one view", digits(effect.mean)),
-        _ => format!("ratio {}, 95 % interval {low} to {high}", digits(effect.mean)),
+        1 => format!("{}, one view", digits(effect.mean)),
+        _ => format!("{}, {low}–{high}", digits(effect.mean)),
     }
 }
 
@@ -56,7 +56,7 @@ pub(super) fn digits(ratio: f64) -> String {
 /// A share in per cent; below one tenth of it with one more digit.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    if percent.abs() < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+    if percent.abs() < 9.95 { format!("{percent:.1}\u{a0}%") } else { format!("{percent:.0}\u{a0}%") }
 }
 
 /// A ratio as a signed change, as the paper says it: `−8 %`.
@@ -64,9 +64,9 @@ pub(super) fn signed(ratio: f64) -> String {
     let percent = 100.0 * (ratio - 1.0);
     let digits = if percent.abs() < 9.95 { format!("{:.1}", percent.abs()) } else { format!("{:.0}", percent.abs()) };
     match digits.as_str() {
-        "0.0" => "0 %".to_owned(),
-        _ if percent < 0.0 => format!("−{digits} %"),
-        _ => format!("+{digits} %"),
+        "0.0" => "0\u{a0}%".to_owned(),
+        _ if percent < 0.0 => format!("−{digits}\u{a0}%"),
+        _ => format!("+{digits}\u{a0}%"),
     }
 }
 
@@ -146,17 +146,17 @@ mod tests {
     #[test]
     fn words_follow_the_interval() {
         let steps = |mean, interval| change(&effect(mean, interval), Metric::Steps);
-        assert_eq!(steps(0.78, [0.74, 0.82]), "22 % fewer steps");
-        assert_eq!(steps(1.03, [1.01, 1.06]), "3.0 % more steps");
-        assert_eq!(steps(1.001, [0.995, 1.004]), "the same steps to within 1 %");
+        assert_eq!(steps(0.78, [0.74, 0.82]), "22\u{a0}% fewer steps");
+        assert_eq!(steps(1.03, [1.01, 1.06]), "3.0\u{a0}% more steps");
+        assert_eq!(steps(1.001, [0.995, 1.004]), "the same steps to within 1\u{a0}%");
         assert_eq!(steps(0.97, [0.9, 1.02]), "no clear difference in steps");
         assert_eq!(change(&effect(3.1, [2.9, 3.3]), Metric::Build), "3.10 times the build time");
-        assert_eq!(change(&effect(0.8, [0.7, 0.9]), Metric::Bytes), "20 % less memory");
+        assert_eq!(change(&effect(0.8, [0.7, 0.9]), Metric::Bytes), "20\u{a0}% less memory");
     }
 
     #[test]
     fn figures_are_set_as_in_print() {
-        assert_eq!([0.92, 1.0, 1.125, 0.9996].map(signed), ["−8.0 %", "0 %", "+12 %", "0 %"]);
+        assert_eq!([0.92, 1.0, 1.125, 0.9996].map(signed), ["−8.0\u{a0}%", "0\u{a0}%", "+12\u{a0}%", "0\u{a0}%"]);
         assert_eq!(
             [1.0, 999.0, 1000.0, 1_234_567.0].map(grouped),
             ["1", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]

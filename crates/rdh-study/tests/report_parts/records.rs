@@ -2,7 +2,8 @@
 
 use rdh::{RayClass, Spec};
 use rdh_scene::Kind;
-use rdh_study::study::{Curve, Job, Record};
+use rdh_study::rows::Curve;
+use rdh_study::study::{Job, Record};
 use rdh_study::{Mode, Protocol, Row};
 
 /// A row whose figures are those of the base times `factor`, a little different for each scene.
@@ -42,7 +43,7 @@ pub(crate) fn row(job: &Job, class: RayClass, spec: &str, factor: f64) -> Row {
         experiment: Some(job.experiment.clone()),
         setting: None,
         x: None,
-        cost_p999: Some(300.0 * factor),
+        cost_p999: (300.0 * factor) as u64,
         depth_complexity: (job.experiment == "occlusion").then_some(1.0 + size),
     }
 }
@@ -52,7 +53,7 @@ pub(crate) fn job(experiment: &str, scene: &str, view: &str, mode: Mode) -> Job 
 }
 
 pub(crate) fn record(job: Job, rows: Vec<Row>) -> Record {
-    Record { job, rows, curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
+    Record { rows, ..Record::of(job) }
 }
 
 /// One record of `specs`, the first the base, each with the factor of all its figures.
@@ -179,7 +180,12 @@ fn with_curves(experiment: &str, scene: &str, view: &str, gain: f64) -> Record {
     let on = [("uniform whole", 1.0), ("uniform clipped", 0.97), ("real whole", 0.9), ("real clipped", gain)];
     let on = on.map(|(s, f)| (s.to_owned(), None, "kd+rdh", f));
     let mut record = settings(experiment, scene, view, &on, ("local search", "kd+rdh", gain * 0.95));
+    let job = record.job.clone();
     let curve = |name: &str, error: f64| Curve {
+        experiment: job.experiment.clone(),
+        scene: job.scene.clone(),
+        view: job.view.clone(),
+        mode: job.mode,
         name: format!("error of p, {name}"),
         spec: Spec::default(),
         across: "depth".into(),

@@ -20,14 +20,12 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let pairs = study.totals("aa");
     let time = Effect::of(pairs.iter().copied(), Metric::Time)?;
     let says = match time.verdict() {
-        Verdict::Same | Verdict::Open => "no difference, as it must",
-        Verdict::Better | Verdict::Worse => {
-            "a difference that isn’t there: smaller differences than this one mean nothing here"
-        }
+        Verdict::Same | Verdict::Open => "No difference, as it must be",
+        Verdict::Better | Verdict::Worse => "A difference that isn’t there: smaller ones than this mean nothing here",
     };
     let expected = 0.025 * time.n as f64;
     let finding = html! {
-        "The same structure twice: " (says) " (" (words::figures(&time)) "); " (time.losses) " of " (words::count(time.n, "pair"))
+        (says) " (time " (words::figures(&time)) "); " (time.losses) " of " (words::count(time.n, "pair"))
         " look surely slower and " (time.wins) " surely faster, where chance alone makes about " (format!("{expected:.1}")) " of each"
     };
     let exact =

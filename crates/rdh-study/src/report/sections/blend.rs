@@ -6,7 +6,7 @@ use super::super::pairs::Metric;
 use super::super::table::{Key, effects};
 use super::super::view::Study;
 use super::super::words::{digits, percent};
-use super::common::{COSTS, lines_over_x, series_over_x};
+use super::common::{COSTS, families, lines_of, lines_over_x};
 use super::{Chapter, Section};
 use crate::report::svg::Line;
 
@@ -22,10 +22,12 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings = series_over_x(study, &pairs, Metric::Steps).iter().filter_map(finding).collect();
+    let lines =
+        families(&pairs).into_iter().flat_map(|(family, pairs)| lines_of(study, &family, &pairs, Metric::Steps));
+    let findings = lines.filter_map(|line| finding(&line)).collect();
     let caption = |m: Metric| html! { (m.name()) " over the parameter of the blend, relative to the base; bands are 95 % intervals." };
     let body = html! {
-        (lines_over_x(study, &pairs, Metric::Steps, "weight of the rays, or rays that the areas are worth", &caption(Metric::Steps)))
+        (lines_over_x(study, &pairs, Metric::Steps, "parameter of the blend", &caption(Metric::Steps)))
         (effects("By the blend", &pairs, &[Key::Setting, Key::Spec], &COSTS))
     };
     Some(Section { findings, body })
@@ -36,7 +38,7 @@ fn finding(line: &Line) -> Option<maud::Markup> {
     let worst = line.points.iter().max_by(|a, b| a[1].total_cmp(&b[1]))?;
     (line.points.len() > 1).then(|| {
         html! {
-            code { (line.name) } ": the steps’ ratio is best at " (digits(best[0])) " (" (digits(best[1])) ") and worst at " (digits(worst[0])) " ("
+            "“" (line.name) "”: the steps’ ratio is best at " (digits(best[0])) " (" (digits(best[1])) ") and worst at " (digits(worst[0])) " ("
             (digits(worst[1])) "): the parameter decides over " (percent(worst[1] / best[1] - 1.0)) " of the steps"
         }
     })

@@ -1,6 +1,7 @@
 //! What several sections are made of.
 
 use maud::{Markup, html};
+use rdh::Spec;
 
 use super::super::effect::Effect;
 use super::super::figure::figure;
@@ -9,7 +10,7 @@ use super::super::svg::{Entry, Line, Upwards, forest, lines};
 use super::super::table::{Group, Key, group};
 use super::super::view::Study;
 use super::super::words;
-use crate::study::Curve;
+use crate::rows::Curve;
 
 /// What is compared wherever rays are cast.
 pub(super) const COSTS: [Metric; 3] = [Metric::Steps, Metric::Tests, Metric::Time];
@@ -30,6 +31,29 @@ pub(super) fn costs_said(pairs: &[&Pair<'_>]) -> String {
     words::list(&said.collect::<Vec<_>>())
 }
 
+/// The best spec of every setting in words; of many settings the best and the worst.
+pub(super) fn best_of_settings(pairs: &[&Pair<'_>], metric: Metric) -> Option<Markup> {
+    let best = |g: Group<'_, '_>| {
+        let of = |g: Group<'_, '_>| Some((effect(&g.pairs, metric)?, g.labels[0].clone()));
+        let (effect, spec) = group(&g.pairs, &[Key::Spec]).into_iter().filter_map(of).min_by(by_mean)?;
+        Some((effect, g.labels[0].clone(), spec))
+    };
+    let mut bests: Vec<(Effect, String, String)> = group(pairs, &[Key::Setting]).into_iter().filter_map(best).collect();
+    if bests.len() > 4 {
+        bests.sort_by(|a, b| a.0.mean.total_cmp(&b.0.mean));
+        bests.drain(1..bests.len() - 1);
+    }
+    let said = |(effect, setting, spec): &(Effect, String, String)| {
+        html! { @if !setting.is_empty() { "“" (setting) "” " } code { (spec) } ": " (words::said(effect, metric)) }
+    };
+    let said: Vec<Markup> = bests.iter().map(said).collect();
+    (!said.is_empty()).then(|| html! { @for (i, part) in said.iter().enumerate() { @if i > 0 { "; " } (part) } })
+}
+
+fn by_mean(a: &(Effect, String), b: &(Effect, String)) -> std::cmp::Ordering {
+    a.0.mean.total_cmp(&b.0.mean)
+}
+
 /// A forest plot of groups by two keys: headings, and lines below them.
 pub(super) fn forest_of(
     study: &Study<'_>,
@@ -38,10 +62,13 @@ pub(super) fn forest_of(
     metric: Metric,
     caption: &Markup,
 ) -> Markup {
-    let entries = entries(study, pairs, keys, metric);
-    let says =
-        format!("Forest plot: {}, means with 95 % intervals; the figures stand beside each line", axis_of(metric));
-    figure(caption, &[], |width| forest(&entries, &axis_of(metric), &says, width))
+    forest_figure(&entries(study, pairs, keys, metric), &axis_of(metric), caption)
+}
+
+/// A forest plot of entries that are there already.
+pub(super) fn forest_figure(entries: &[Entry], axis: &str, caption: &Markup) -> Markup {
+    let says = format!("Forest plot: {axis}, means with 95 % intervals; the figures stand beside each line");
+    figure(caption, &[], |width| forest(entries, axis, &says, width))
 }
 
 fn entries(study: &Study<'_>, pairs: &[&Pair<'_>], [outer, inner]: [Key; 2], metric: Metric) -> Vec<Entry> {
@@ -61,7 +88,8 @@ fn entries(study: &Study<'_>, pairs: &[&Pair<'_>], [outer, inner]: [Key; 2], met
     entries
 }
 
-/// Ratios over the experiment's axis, one line for each spec and what its settings have in common.
+/// Ratios over the experiment's axis: a plot for each family of settings (those that differ in their number alone), in it a
+/// line for each spec, or one for all specs where each has but one point.
 pub(super) fn lines_over_x(
     study: &Study<'_>,
     pairs: &[&Pair<'_>],
@@ -69,31 +97,55 @@ pub(super) fn lines_over_x(
     across: &str,
     caption: &Markup,
 ) -> Markup {
-    let drawn = series_over_x(study, pairs, metric);
+    let families = families(pairs);
+    html! {
+        @for (family, pairs) in &families {
+            @let across = if families.len() > 1 { family.as_str() } else { across };
+            (line_figure(&lines_of(study, family, pairs, metric), metric, across, caption))
+        }
+    }
+}
+
+fn line_figure(drawn: &[Line], metric: Metric, across: &str, caption: &Markup) -> Markup {
     let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
     let upwards = format!("{}, ratio to the base: below 1 is better", metric.name());
     let says = format!("Line plot: {upwards}, over {across}, with 95 % intervals as bands");
-    figure(caption, &legend, |width| lines(&drawn, Upwards::Ratios, [across, &upwards], &says, width))
+    figure(caption, &legend, |width| lines(drawn, Upwards::Ratios, [across, &upwards], &says, width))
 }
 
-/// One line for each spec and family of settings, over x.
-pub(super) fn series_over_x(study: &Study<'_>, pairs: &[&Pair<'_>], metric: Metric) -> Vec<Line> {
-    let mut named: Vec<(String, Vec<&Pair<'_>>)> = Vec::new();
+/// Pairs that have a place on the axis, by what their settings have in common.
+pub(super) fn families<'p, 'r>(pairs: &[&'p Pair<'r>]) -> Vec<(String, Vec<&'p Pair<'r>>)> {
+    let mut families: Vec<(String, Vec<&Pair<'_>>)> = Vec::new();
     for &pair in pairs.iter().filter(|p| p.x.is_some()) {
-        let name = series_name(pair);
-        match named.iter_mut().find(|n| n.0 == name) {
+        let name = family(pair.setting);
+        match families.iter_mut().find(|f| f.0 == name) {
             Some(found) => found.1.push(pair),
-            None => named.push((name, vec![pair])),
+            None => families.push((name, vec![pair])),
         }
     }
-    let specs: Vec<_> = named.iter().map(|n| n.1[0].spec).collect();
-    let distinct = specs.iter().enumerate().all(|(i, s)| !specs[..i].contains(s));
-    let line = |(i, (name, pairs)): (usize, (String, Vec<&Pair<'_>>))| Line {
-        series: if distinct { study.series(&pairs[0].spec) } else { i },
-        name,
-        points: points(&pairs, metric),
+    families
+}
+
+/// The setting without its number.
+fn family(setting: &str) -> String {
+    let is_word = |word: &&str| word.parse::<f64>().is_err();
+    let words = setting.split([' ', ':', '=']).filter(|w| !w.is_empty()).filter(is_word);
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// The lines of one family.
+pub(super) fn lines_of(study: &Study<'_>, family: &str, pairs: &[&Pair<'_>], metric: Metric) -> Vec<Line> {
+    let by_spec = group(pairs, &[Key::Spec]);
+    let of_spec = |g: &Group<'_, '_>| Line {
+        series: study.series(&g.pairs[0].spec),
+        name: g.labels[0].clone(),
+        points: points(&g.pairs, metric),
     };
-    named.into_iter().enumerate().map(line).collect()
+    let drawn: Vec<Line> = by_spec.iter().map(of_spec).collect();
+    if drawn.iter().all(|l| l.points.len() < 2) {
+        return vec![Line { series: 0, name: family.to_owned(), points: points(pairs, metric) }];
+    }
+    drawn
 }
 
 /// The effect at every x: `[x, mean, low, high]`.
@@ -106,36 +158,6 @@ pub(super) fn points(pairs: &[&Pair<'_>], metric: Metric) -> Vec<[f64; 4]> {
         effect(&here, metric).map(|e| [x, e.mean, e.interval[0], e.interval[1]])
     };
     xs.into_iter().filter_map(at).collect()
-}
-
-/// The setting without its number, and the spec.
-fn series_name(pair: &Pair<'_>) -> String {
-    let is_word = |c: char| c.is_alphabetic() || c == ' ' || c == '-';
-    let words: String = pair.setting.chars().filter(|c| is_word(*c)).collect();
-    let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
-    if words.is_empty() { pair.spec.to_string() } else { format!("{}, {words}", pair.spec) }
-}
-
-/// Curves of some records with one quantity across: their names, and the weighted means at each x.
-pub(super) fn mean_curves<'c>(curves: impl Iterator<Item = &'c Curve>) -> Vec<(String, Vec<[f64; 2]>)> {
-    let mut named: Vec<(String, Vec<[f64; 3]>)> = Vec::new();
-    for curve in curves {
-        let points = curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite()) && p[2] > 0.0);
-        match named.iter_mut().find(|n| n.0 == curve.name) {
-            Some(found) => found.1.extend(points),
-            None => named.push((curve.name.clone(), points.copied().collect())),
-        }
-    }
-    named.into_iter().map(|(name, points)| (name, weighted_means(points))).collect()
-}
-
-fn weighted_means(mut points: Vec<[f64; 3]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mean = |same: &[[f64; 3]]| {
-        let weight: f64 = same.iter().map(|p| p[2]).sum();
-        [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight]
-    };
-    points.chunk_by(|a, b| a[0] == b[0]).map(mean).collect()
 }
 
 /// All curves as figures: those over one quantity, whose names begin alike (up to the first comma), share a plot.
@@ -156,14 +178,64 @@ fn stem(name: &str) -> &str {
 }
 
 fn curve_plot(curves: &[&Curve], across: &str, name: &str) -> Markup {
-    let drawn: Vec<Line> = mean_curves(curves.iter().copied()).into_iter().enumerate().map(plain_line).collect();
+    let drawn: Vec<Line> = mean_curves(curves).into_iter().enumerate().map(plain_line).collect();
     let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
     let says = format!("Line plot: {name} over {across}");
-    let caption = html! { (name) " over " (across) "; weighted means over all views." };
+    let caption = html! { (name) ", over " (across) "; weighted means over all views." };
     figure(&caption, &legend, |width| lines(&drawn, Upwards::Values, [across, name], &says, width))
 }
 
 fn plain_line((series, (name, points)): (usize, (String, Vec<[f64; 2]>))) -> Line {
-    let short = name.split_once(',').map_or(name.as_str(), |parts| parts.1.trim());
-    Line { series, name: short.to_owned(), points: points.iter().map(|p| [p[0], p[1], p[1], p[1]]).collect() }
+    Line { series, name, points: points.iter().map(|p| [p[0], p[1], p[1], p[1]]).collect() }
+}
+
+/// Curves of one name and spec as one: the weighted means at each x.
+pub(super) fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
+    let mut named: Vec<(&str, Spec, Vec<[f64; 3]>)> = Vec::new();
+    for curve in curves {
+        let points = curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite()) && p[2] > 0.0);
+        match named.iter_mut().find(|n| n.0 == curve.name && n.1 == curve.spec) {
+            Some(found) => found.2.extend(points),
+            None => named.push((&curve.name, curve.spec, points.copied().collect())),
+        }
+    }
+    let one_spec = named.iter().all(|n| n.1 == named[0].1);
+    let one_name = named.iter().all(|n| n.0 == named[0].0);
+    let label = |name: &str, spec: &Spec| {
+        let tail = name.split_once(',').map_or(name, |parts| parts.1.trim());
+        match (one_name, one_spec) {
+            (true, _) => spec.to_string(),
+            (_, true) => tail.to_owned(),
+            _ => format!("{tail}, {spec}"),
+        }
+    };
+    named.iter().map(|(name, spec, points)| (label(name, spec), weighted_means(points.clone()))).collect()
+}
+
+fn weighted_means(mut points: Vec<[f64; 3]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mean = |same: &[[f64; 3]]| {
+        let weight: f64 = same.iter().map(|p| p[2]).sum();
+        [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight]
+    };
+    points.chunk_by(|a, b| a[0] == b[0]).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_that_differ_in_a_number_are_a_family() {
+        let names =
+            ["previous:4", "1000 training rays", "weight of the rays 0.25", "view:inside", "areas worth 16 rays"];
+        let expected = ["previous", "training rays", "weight of the rays", "view inside", "areas worth rays"];
+        assert_eq!(names.map(family), expected);
+    }
+
+    #[test]
+    fn weights_count_and_equal_places_join() {
+        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [1.0, 4.0, 2.0]]);
+        assert_eq!(means, [[1.0, 3.0], [2.0, 5.0]]);
+    }
 }

@@ -1,12 +1,11 @@
 //! Controls: the same effort with areas instead of rays.
 
-use maud::{Markup, html};
+use maud::html;
 
-use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, group, legend};
+use super::super::pairs::Metric;
+use super::super::table::{Key, effects};
 use super::super::view::Study;
-use super::super::words;
-use super::common::{COSTS, effect, forest_of};
+use super::common::{COSTS, best_of_settings, forest_of};
 use super::{Chapter, Section};
 
 pub(super) const CHAPTER: Chapter = Chapter {
@@ -21,22 +20,12 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings =
-        group(&pairs, &[Key::Setting, Key::Spec]).iter().filter_map(|g| finding(&g.labels, &g.pairs)).collect();
+    let findings = [Metric::Steps, Metric::Time].into_iter().filter_map(|m| best_of_settings(&pairs, m)).collect();
     let caption = html! { "Time of the controls, relative to the base." };
     let metrics: Vec<Metric> = COSTS.into_iter().chain([Metric::Build, Metric::Bytes]).collect();
     let body = html! {
         (forest_of(study, &pairs, [Key::Setting, Key::Spec], Metric::Time, &caption))
         (effects("Controls", &pairs, &[Key::Setting, Key::Spec, Key::Base], &metrics))
-        (legend())
     };
     Some(Section { findings, body })
-}
-
-fn finding(labels: &[String], pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let (steps, time) = (effect(pairs, Metric::Steps)?, effect(pairs, Metric::Time)?);
-    let place = if labels[0].is_empty() { String::new() } else { format!("{}, ", labels[0]) };
-    Some(html! {
-        (place) code { (labels[1]) } ": " (words::said(&steps, Metric::Steps)) " and " (words::said(&time, Metric::Time))
-    })
 }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::super::figure::figure;
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Dot, scatter};
-use super::super::table::{Key, effects, group, legend};
+use super::super::table::{Key, effects, group};
 use super::super::view::{Study, ours};
 use super::super::words;
 use super::common::{effect, forest_of};
@@ -31,7 +31,6 @@ fn write(study: &Study<'_>) -> Option<Section> {
         (build_against_trace(study, &pairs))
         (forest_of(study, &pairs, [Key::Mode, Key::Spec], Metric::Bytes, &caption))
         (effects("Build and memory", &pairs, &[Key::Mode, Key::Spec, Key::Base], &METRICS))
-        (legend())
         (effects("Build and memory by kind of scene", &study.ours(), &[Key::Kind, Key::Spec], &METRICS))
     };
     Some(Section { findings: finding(&study.ours()).into_iter().collect(), body })

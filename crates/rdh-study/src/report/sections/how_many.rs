@@ -6,8 +6,9 @@ use super::super::pairs::{Metric, Pair};
 use super::super::table::{Key, effects};
 use super::super::view::{Study, ours};
 use super::super::words::{self, digits, percent};
-use super::common::{COSTS, effect, lines_over_x, points};
+use super::common::{COSTS, curve_plots, effect, lines_over_x, points};
 use super::{Chapter, Section};
+use crate::rows::Curve;
 
 pub(super) const CHAPTER: Chapter = Chapter {
     id: "how-many",
@@ -24,9 +25,11 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let findings = [enough(&pairs), gap(&pairs)].into_iter().flatten().collect();
     let caption = |m: Metric| html! { "Generalisation: " (m.name()) " with unseen test rays over the number of training rays, relative to the base." };
     let across = "training rays";
+    let curves: Vec<&Curve> = study.records_of("how-many").flat_map(|r| &r.curves).collect();
     let body = html! {
         (lines_over_x(study, &pairs, Metric::Steps, across, &caption(Metric::Steps)))
         (lines_over_x(study, &pairs, Metric::Time, across, &caption(Metric::Time)))
+        (curve_plots(&curves))
         (effects("By the number of training rays", &pairs, &[Key::Setting, Key::Spec], &COSTS))
     };
     Some(Section { findings, body })
@@ -57,7 +60,7 @@ fn gap(pairs: &[&Pair<'_>]) -> Option<Markup> {
     })
 }
 
-/// Trained on the test rays.
+/// Trained on the test rays: that has no number.
 fn is_bound(pair: &Pair<'_>) -> bool {
-    ["same", "test", "bound"].iter().any(|word| pair.setting.contains(word))
+    pair.x.is_none()
 }

@@ -7,7 +7,7 @@ use super::super::effect::Effect;
 use super::super::figure::figure;
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Dot, strip};
-use super::super::table::{Key, effects, ratio, table};
+use super::super::table::{Key, group, ratio, table};
 use super::super::view::{Study, ours};
 use super::super::words;
 use super::common::{COSTS, axis_of, effect};
@@ -30,8 +30,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let body = html! {
         (strip_of(&pairs, Metric::Steps))
         (strip_of(&pairs, Metric::Time))
-        (effects(&format!("{} by kind of scene", ours()), &pairs, &[Key::Mode, Key::Kind], &COSTS))
-        (weighted(study))
+        (by_kind(&pairs))
     };
     Some(Section { findings: finding(&pairs).into_iter().collect(), body })
 }
@@ -44,7 +43,7 @@ fn finding(pairs: &[&Pair<'_>]) -> Option<Markup> {
     let said: Vec<String> = said.collect();
     let weighted = Effect::by_kind(pairs.iter().copied(), Metric::Time)?;
     Some(html! {
-        "Over all rays: " (words::list(&said)) "; with every kind counting alike it is " (words::said(&weighted, Metric::Time))
+        "Over all rays: " (words::list(&said)) "; with every kind counting alike, " (words::said(&weighted, Metric::Time))
     })
 }
 
@@ -65,17 +64,30 @@ fn dots(pairs: &[&Pair<'_>], kind: Kind, metric: Metric) -> Option<(String, Vec<
     (!dots.is_empty()).then_some((name, dots))
 }
 
-fn weighted(study: &Study<'_>) -> Markup {
-    let main = study.main();
+/// A line for each kind, and one in which they count alike.
+fn by_kind(pairs: &[&Pair<'_>]) -> Markup {
     let mut rows = Vec::new();
-    let totals: Vec<&Pair<'_>> = main.into_iter().filter(|p| p.class.is_none()).collect();
-    for g in super::super::table::group(&totals, &[Key::Mode, Key::Spec]) {
-        let mut row = vec![html! { (g.labels[0]) }, html! { code { (g.labels[1]) } }, html! { (g.pairs.len()) }];
-        for metric in COSTS {
-            let of = Effect::by_kind(g.pairs.iter().copied(), metric);
-            row.push(of.map_or_else(|| html! { "–" }, |e| ratio(&e)));
+    for mode in group(pairs, &[Key::Mode]) {
+        let kinds = group(&mode.pairs, &[Key::Kind]);
+        let mut label = mode.labels[0].as_str();
+        for kind in &kinds {
+            let of = |metric| Effect::of(kind.pairs.iter().copied(), metric);
+            rows.push(row(std::mem::take(&mut label), &kind.labels[0], kind.pairs.len(), of));
         }
-        rows.push(row);
+        if kinds.len() > 1 {
+            rows.push(row("", "each kind alike", mode.pairs.len(), |metric| {
+                Effect::by_kind(mode.pairs.iter().copied(), metric)
+            }));
+        }
     }
-    table("Every kind of scene counting alike", &["rays", "spec", ">pairs", ">steps", ">tests", ">time"], &rows)
+    let heads = ["rays", "kind of scene", ">pairs", ">steps", ">tests", ">time", ">slower"];
+    table(&format!("{} by kind of scene", ours()), &heads, &rows)
+}
+
+fn row(mode: &str, kind: &str, n: usize, of: impl Fn(Metric) -> Option<Effect>) -> Vec<Markup> {
+    let losses = of(Metric::Time).map_or(0, |e| e.losses);
+    let mut row = vec![html! { (mode) }, html! { (kind) }, html! { (n) }];
+    row.extend(COSTS.map(|m| of(m).map_or_else(|| html! { "–" }, |e| ratio(&e))));
+    row.push(html! { (losses) });
+    row
 }

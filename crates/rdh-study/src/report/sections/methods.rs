@@ -43,7 +43,6 @@ fn facts(study: &Study<'_>) -> Markup {
         ("Report made", about.date.clone()),
         ("Scenes, views", format!("{}, {}", study.scenes().len(), study.views().len())),
         ("Jobs", words::grouped(study.records.len() as f64)),
-        ("Rays counted", words::grouped(study.rays())),
     ];
     facts.extend(about.settings.iter().map(|(name, value)| (name.as_str(), value.clone())));
     html! {

@@ -7,6 +7,7 @@ mod bound;
 mod common;
 mod controls;
 mod costs;
+mod glance;
 mod how_many;
 mod kinds;
 mod losses;
@@ -24,6 +25,8 @@ mod which_rays;
 use maud::Markup;
 
 use super::view::Study;
+
+pub(super) use glance::glance;
 
 /// What a section says.
 #[derive(Debug)]

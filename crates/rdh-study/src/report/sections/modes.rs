@@ -1,10 +1,9 @@
 //! The main table: by mode and class.
 
-use maud::html;
+use maud::{Markup, html};
 
-use super::super::effect::Effect;
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, legend};
+use super::super::table::{Key, effects};
 use super::super::view::{Study, ours};
 use super::super::words;
 use super::common::{COSTS, costs_said, effect, forest_of};
@@ -27,23 +26,35 @@ fn write(study: &Study<'_>) -> Option<Section> {
     // A mode of one class is its own total.
     let parts: Vec<&Pair<'_>> =
         main.iter().copied().filter(|p| p.class.is_none() || p.job.mode.classes().len() > 1).collect();
-    let findings = Mode::ALL.into_iter().filter_map(|mode| finding(&study.ours(), mode)).collect();
+    let findings = [primary(&study.ours()), others(&study.ours())].into_iter().flatten().collect();
     let caption = |what: &str| html! { "The " (what) " of each structure relative to the base, by the rays that were cast; all classes of a mode together." };
     let body = html! {
         (forest_of(study, &totals, [Key::Mode, Key::Spec], Metric::Time, &caption("time")))
         (forest_of(study, &totals, [Key::Mode, Key::Spec], Metric::Steps, &caption("steps")))
         (effects("By mode and class", &parts, &[Key::Mode, Key::Class, Key::Spec, Key::Base], &COSTS))
-        (legend())
     };
     Some(Section { findings, body })
 }
 
-fn finding(pairs: &[&Pair<'_>], mode: Mode) -> Option<maud::Markup> {
-    let here: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| p.job.mode == mode).collect();
-    let time: Effect = effect(&here, Metric::Time)?;
+fn primary(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let here = of_mode(pairs, Mode::Primary);
+    let time = effect(&here, Metric::Time)?;
     Some(html! {
-        (words::rays_of(mode)) ", " code { (ours()) } " against " code { (here[0].base) } ": " (costs_said(&here)) ", in "
-        (words::count(time.n, "view")) " of " (words::count(time.scenes, "scene"))
-        "; it is surely faster in " (time.wins) " of them and surely slower in " (time.losses)
+        "Primary rays, " code { (ours()) } " against " code { (here[0].base) } ": " (costs_said(&here)) ", in " (words::count(time.n, "view")) " of "
+        (words::count(time.scenes, "scene")) "; surely faster in " (time.wins) " of them, surely slower in " (time.losses)
     })
+}
+
+/// The other modes, by their times alone: the tables have the rest.
+fn others(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let said = |mode: Mode| {
+        let time = effect(&of_mode(pairs, mode), Metric::Time)?;
+        Some(format!("{}: {}", words::rays_of(mode), words::said(&time, Metric::Time)))
+    };
+    let said: Vec<String> = Mode::ALL.into_iter().filter(|m| *m != Mode::Primary).filter_map(said).collect();
+    (!said.is_empty()).then(|| html! { (said.join("; ")) })
+}
+
+fn of_mode<'p, 'r>(pairs: &[&'p Pair<'r>], mode: Mode) -> Vec<&'p Pair<'r>> {
+    pairs.iter().copied().filter(|p| p.job.mode == mode).collect()
 }

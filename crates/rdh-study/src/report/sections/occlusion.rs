@@ -25,8 +25,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings =
-        [Metric::Steps, Metric::Tests, Metric::Time].into_iter().filter_map(|m| finding(&pairs, m)).collect();
+    let findings = [Metric::Steps, Metric::Time].into_iter().filter_map(|m| finding(&pairs, m)).collect();
     let body = html! {
         p {
             "Depth complexity is measured: the mean number of surfaces along a primary ray if nothing stopped it. At 1 nothing is hidden."

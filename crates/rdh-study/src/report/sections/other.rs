@@ -3,11 +3,11 @@
 use maud::html;
 
 use super::super::pairs::Metric;
-use super::super::table::{Key, effects, legend};
+use super::super::table::{Key, effects};
 use super::super::view::Study;
 use super::common::{COSTS, curve_plots};
 use super::{Chapter, Section};
-use crate::study::Curve;
+use crate::rows::Curve;
 
 pub(super) const CHAPTER: Chapter = Chapter { id: "other", title: "Other experiments", question: "", write };
 
@@ -39,7 +39,6 @@ fn write(study: &Study<'_>) -> Option<Section> {
             (effects(name, &study.totals(name), &[Key::Mode, Key::Setting, Key::Spec, Key::Base], &metrics))
             (curve_plots(&curves))
         }
-        (legend())
     };
     Some(Section { findings: Vec::new(), body })
 }

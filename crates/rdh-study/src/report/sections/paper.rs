@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::super::effect::Effect;
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, group, legend, ratio, table};
+use super::super::table::{Key, group, ratio, table};
 use super::super::view::{Study, ours};
 use super::super::words::{self, signed};
 use super::common::{costs_said, effect};
@@ -31,7 +31,6 @@ fn write(study: &Study<'_>) -> Option<Section> {
             code { "kd(stop=paper,prune=none)" } "; the training rays are a subset of the very frame that is counted."
         }
         (rows(&pairs))
-        (legend())
     };
     Some(Section { findings, body })
 }

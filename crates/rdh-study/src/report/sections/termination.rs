@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, group, legend};
+use super::super::table::{Key, effects, group};
 use super::super::view::Study;
 use super::super::words;
 use super::common::{effect, forest_of};
@@ -38,7 +38,6 @@ fn write(study: &Study<'_>) -> Option<Section> {
         @if !worst.is_empty() {
             (effects("What the dearest rays pay: the 99.9th percentile of steps + tests", &worst, &[Key::Setting, Key::Class, Key::Spec], &[Metric::Worst]))
         }
-        (legend())
     };
     Some(Section { findings, body })
 }

@@ -1,14 +1,13 @@
 //! Where the training rays come from.
 
-use maud::{Markup, html};
+use maud::html;
 
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, group, legend};
+use super::super::table::{Key, effects};
 use super::super::view::Study;
-use super::super::words;
-use super::common::{COSTS, curve_plots, effect, forest_of, lines_over_x};
+use super::common::{COSTS, best_of_settings, curve_plots, forest_of, lines_over_x};
 use super::{Chapter, Section};
-use crate::study::Curve;
+use crate::rows::Curve;
 
 pub(super) const CHAPTER: Chapter = Chapter {
     id: "which-rays",
@@ -22,8 +21,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings =
-        group(&pairs, &[Key::Setting, Key::Spec]).iter().filter_map(|g| finding(&g.labels, &g.pairs)).collect();
+    let findings = [Metric::Steps, Metric::Time].into_iter().filter_map(|m| best_of_settings(&pairs, m)).collect();
     let far: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| p.x.is_some()).collect();
     let decay = html! { "Decay: steps over how many frames lie between the training rays and the test rays, relative to the base." };
     let sources = html! { "Steps by the source of the training rays, relative to the base." };
@@ -33,13 +31,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         @if !far.is_empty() { (lines_over_x(study, &far, Metric::Steps, "frames between them", &decay)) }
         (forest_of(study, &pairs, [Key::Spec, Key::Setting], Metric::Steps, &sources))
         (effects("By the source of the training rays", &pairs, &[Key::Setting, Key::Spec, Key::Base], &metrics))
-        (legend())
         (curve_plots(&curves))
     };
     Some(Section { findings, body })
-}
-
-fn finding(labels: &[String], pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let steps = effect(pairs, Metric::Steps)?;
-    Some(html! { "Rays of “" (labels[0]) "”, " code { (labels[1]) } ": " (words::said(&steps, Metric::Steps)) })
 }

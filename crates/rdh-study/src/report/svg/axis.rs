@@ -10,6 +10,8 @@ pub(in crate::report) struct Axis {
     low: f64,
     high: f64,
     log: bool,
+    /// Ticks between whole numbers would say nothing.
+    whole: bool,
     from: f64,
     to: f64,
 }
@@ -19,19 +21,20 @@ impl Axis {
     pub(super) fn ratios(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let (low, high) = ends(values.filter(|v| *v > 0.0).chain([1.0]));
         let room = (high / low).powf(0.05).max(1.005);
-        Self { low: low / room, high: high * room, log: true, from: pixels[0], to: pixels[1] }
+        Self { low: low / room, high: high * room, log: true, whole: false, from: pixels[0], to: pixels[1] }
     }
 
     /// Whichever scale suits the values: logarithmic if all are above 0 and span more than a factor of 20.
     pub(super) fn fitting(values: impl Iterator<Item = f64> + Clone, pixels: [f64; 2]) -> Self {
+        let whole = values.clone().all(|v| v.fract() == 0.0);
         let (low, high) = ends(values.filter(|v| v.is_finite()));
         let [from, to] = pixels;
         if low > 0.0 && high / low > 20.0 {
             let room = (high / low).powf(0.03);
-            return Self { low: low / room, high: high * room, log: true, from, to };
+            return Self { low: low / room, high: high * room, log: true, whole, from, to };
         }
         let room = if high > low { 0.04 * (high - low) } else { 0.5 };
-        Self { low: low - room, high: high + room, log: false, from, to }
+        Self { low: low - room, high: high + room, log: false, whole, from, to }
     }
 
     /// Where a value stands, in pixels; what is beyond an end stands at it.
@@ -60,7 +63,8 @@ impl Axis {
             let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
             (first..=last).map(|i| i as f64 * step).collect()
         };
-        [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0].map(multiples).into()
+        let fine = |part: &f64| !self.whole || (unit * part) >= 1.0 - 1e-9;
+        [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0].into_iter().filter(fine).map(multiples).collect()
     }
 
     /// Powers of ten with what is round between them, the finest first.
