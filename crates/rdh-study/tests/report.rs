@@ -111,7 +111,7 @@ fn every_plot_and_picture_says_what_it_shows() {
         scale: Some(Scale { label: "steps".into(), ends: [0.0, 9.0], colours: vec![[0, 0, 0], [255, 255, 255]] }),
         ..Panel::default()
     };
-    let picture = Picture { place: "balls4:front".into(), why: "the largest gain".into(), panels: vec![panel] };
+    let picture = Picture { place: "balls4:front".into(), why: "the largest gain".into(), rows: vec![vec![panel]] };
     let page = html(&study(), &About { pictures: vec![picture], ..about() });
     assert_eq!(page.matches("<svg class=\"plot\"").count(), page.matches("role=\"img\" aria-label=").count());
     assert!(page.contains("src=\"data:image/png;base64,AQID\" width=\"4\" height=\"5\" alt=\"steps by areas\""));

@@ -4,6 +4,7 @@ mod compare;
 mod rays;
 mod record;
 mod render;
+mod report;
 mod scenes;
 mod values;
 
@@ -15,6 +16,7 @@ pub(crate) use compare::CompareArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
 pub(crate) use render::{Heat, RenderArgs};
+pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
 pub(crate) use values::{Place, Size, Slice};
 
@@ -46,6 +48,8 @@ pub(crate) enum Command {
     Rays(RaysArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
+    /// Make one self-contained page of a study
+    Report(ReportArgs),
 }
 
 /// Arguments that every command takes.

@@ -4,4 +4,5 @@ pub(crate) mod compare;
 pub(crate) mod rays;
 pub(crate) mod record;
 pub(crate) mod render;
+pub(crate) mod report;
 pub(crate) mod scenes;

@@ -5,7 +5,7 @@ mod near;
 mod section;
 
 use anyhow::Result;
-use rdh::{Accel, Training};
+use rdh::{Accel, Spec, Training};
 
 use self::chart::Chart;
 use self::near::{NearRay, rays_near};
@@ -42,6 +42,36 @@ pub(super) fn draw(
     built: &[Built],
     training: &Training,
 ) -> Result<Picture> {
+    let (panels, scale, rays) = drawn(request, slice, staged, built, training)?;
+    let panel =
+        |(spec, note, picture): (Spec, String, Canvas)| Item::Panel(Panel { title: spec.to_string(), note, picture });
+    let mut items: Vec<Item> = panels.into_iter().map(panel).collect();
+    items.push(Item::Bar(ColourBar { scale, label: "triangles".to_owned() }));
+    let plane = Plane::new(slice, staged)?;
+    let canvas = draw_figure(&title(request, slice, staged, &plane, rays), &items);
+    Ok(Picture { canvas, channels: Vec::new(), channel_width: 0 })
+}
+
+/// A slice through each structure, with a line about it.
+pub(super) fn panels(
+    request: &Request,
+    slice: Slice,
+    staged: &Staged,
+    built: &[Built],
+    training: &Training,
+) -> Result<Vec<(Spec, String, Canvas)>> {
+    Ok(drawn(request, slice, staged, built, training)?.0)
+}
+
+/// The slices, the scale of their cells, and how many rays are in each.
+#[allow(clippy::type_complexity, reason = "it is taken apart at once")]
+fn drawn(
+    request: &Request,
+    slice: Slice,
+    staged: &Staged,
+    built: &[Built],
+    training: &Training,
+) -> Result<(Vec<(Spec, String, Canvas)>, ColourScale, usize)> {
     let plane = Plane::new(slice, staged)?;
     let part = request.part_of(staged, plane.axis);
     let chart = Chart::new(&part, plane.axis, request.size);
@@ -49,13 +79,9 @@ pub(super) fn draw(
     let cells: Vec<_> = built.iter().map(|b| cut_cells(&b.accel, &plane)).collect();
     let scale = ColourScale::pale(common_end(&cells));
     let panel = |(b, cells): (&Built, &Vec<CutCell>)| {
-        let picture = draw_panel(staged, &plane, &chart, cells, &rays, &scale);
-        Item::Panel(Panel { title: b.spec.to_string(), note: note(cells, &b.accel), picture })
+        (b.spec, note(cells, &b.accel), draw_panel(staged, &plane, &chart, cells, &rays, &scale))
     };
-    let mut items: Vec<Item> = built.iter().zip(&cells).map(panel).collect();
-    items.push(Item::Bar(ColourBar { scale, label: "triangles".to_owned() }));
-    let canvas = draw_figure(&title(request, slice, staged, &plane, rays.len()), &items);
-    Ok(Picture { canvas, channels: Vec::new(), channel_width: 0 })
+    Ok((built.iter().zip(&cells).map(panel).collect(), scale, rays.len()))
 }
 
 impl Plane {
