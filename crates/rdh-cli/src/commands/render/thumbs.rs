@@ -5,6 +5,7 @@ use rdh::{Axis, Spec};
 use rdh_study::{Mode, Plan};
 
 use super::heat::{Map, common_end, differences, map};
+use super::slice::Sliced;
 use super::{Built, Format, Request, Subject, shade, slice};
 use crate::args::{Heat, Place, Size, Slice};
 use crate::picture::{Canvas, ColourScale, Rgb};
@@ -35,7 +36,7 @@ pub(crate) fn thumbnails(staged: &Staged, specs: &[Spec], seed: u64) -> Result<V
     let plane = Slice { axis: upright_axis(staged), place: Place::Part(0.5) };
     let mut first = vec![view(&request, staged, &built[0])];
     let panels = slice::panels(&request, plane, staged, &built, &training)?;
-    first.extend(panels.into_iter().map(|(spec, note, canvas)| sliced(staged, spec, note, canvas)));
+    first.extend(panels.into_iter().map(|s| sliced(staged, s)));
     Ok(vec![first, heats(&request, Heat::Steps, staged, &built), heats(&request, Heat::Tests, staged, &built)])
 }
 
@@ -66,7 +67,8 @@ fn view(request: &Request, staged: &Staged, built: &Built) -> Thumbnail {
     Thumbnail { title: "The view".into(), note: String::new(), says, canvas, scale: None }
 }
 
-fn sliced(staged: &Staged, spec: Spec, note: String, canvas: Canvas) -> Thumbnail {
+fn sliced(staged: &Staged, slice: Sliced) -> Thumbnail {
+    let Sliced { spec, note, canvas } = slice;
     let says = format!("A slice through {} with the cells of {spec} and the sampled rays near it", staged.scene);
     Thumbnail { title: format!("slice, {spec}"), note, says, canvas, scale: None }
 }

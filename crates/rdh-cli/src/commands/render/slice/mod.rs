@@ -34,6 +34,14 @@ struct Plane {
     near: f64,
 }
 
+/// One structure's part of a slice.
+pub(super) struct Sliced {
+    pub(super) spec: Spec,
+    /// How many cells are cut.
+    pub(super) note: String,
+    pub(super) canvas: Canvas,
+}
+
 /// Draws one panel a structure, all with the same surfaces and rays.
 pub(super) fn draw(
     request: &Request,
@@ -43,8 +51,7 @@ pub(super) fn draw(
     training: &Training,
 ) -> Result<Picture> {
     let (panels, scale, rays) = drawn(request, slice, staged, built, training)?;
-    let panel =
-        |(spec, note, picture): (Spec, String, Canvas)| Item::Panel(Panel { title: spec.to_string(), note, picture });
+    let panel = |s: Sliced| Item::Panel(Panel { title: s.spec.to_string(), note: s.note, picture: s.canvas });
     let mut items: Vec<Item> = panels.into_iter().map(panel).collect();
     items.push(Item::Bar(ColourBar { scale, label: "triangles".to_owned() }));
     let plane = Plane::new(slice, staged)?;
@@ -59,27 +66,28 @@ pub(super) fn panels(
     staged: &Staged,
     built: &[Built],
     training: &Training,
-) -> Result<Vec<(Spec, String, Canvas)>> {
+) -> Result<Vec<Sliced>> {
     Ok(drawn(request, slice, staged, built, training)?.0)
 }
 
 /// The slices, the scale of their cells, and how many rays are in each.
-#[allow(clippy::type_complexity, reason = "it is taken apart at once")]
 fn drawn(
     request: &Request,
     slice: Slice,
     staged: &Staged,
     built: &[Built],
     training: &Training,
-) -> Result<(Vec<(Spec, String, Canvas)>, ColourScale, usize)> {
+) -> Result<(Vec<Sliced>, ColourScale, usize)> {
     let plane = Plane::new(slice, staged)?;
     let part = request.part_of(staged, plane.axis);
     let chart = Chart::new(&part, plane.axis, request.size);
     let rays = rays_near(training.samples(), &plane, &part, MOST_RAYS);
     let cells: Vec<_> = built.iter().map(|b| cut_cells(&b.accel, &plane)).collect();
     let scale = ColourScale::pale(common_end(&cells));
-    let panel = |(b, cells): (&Built, &Vec<CutCell>)| {
-        (b.spec, note(cells, &b.accel), draw_panel(staged, &plane, &chart, cells, &rays, &scale))
+    let panel = |(b, cells): (&Built, &Vec<CutCell>)| Sliced {
+        spec: b.spec,
+        note: note(cells, &b.accel),
+        canvas: draw_panel(staged, &plane, &chart, cells, &rays, &scale),
     };
     Ok((built.iter().zip(&cells).map(panel).collect(), scale, rays.len()))
 }
