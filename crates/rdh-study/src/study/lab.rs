@@ -3,12 +3,12 @@
 use std::fmt;
 
 use rayon::ThreadPool;
-use rdh::{Accel, BuildOptions, Mesh, Spec, Training};
+use rdh::{Accel, BuildOptions, Mesh, Query, Ray, RayClass, RaySample, Spec, Training};
 use rdh_scene::{Entry, View};
 
 use super::record::{Job, Record};
 use crate::clock::time_thread;
-use crate::integrate::{Mode, RayBatch, Shoot, Stage};
+use crate::integrate::{Mode, RayBatch, Shoot, Stage, derived_seed, uniform_lines};
 use crate::plan::{Case, Plan, Protocol, Target};
 use crate::rows::{Failure, Row};
 use crate::run::{Built, Lesson, Load, Trial, build_interleaved, in_pool};
@@ -120,6 +120,14 @@ impl<'a> Lab<'a> {
         };
         let (training, secs) = time_thread(|| shoot.training(&self.first, test_rays));
         Lesson { training, secs, view: view.name.clone(), frame: self.frame }
+    }
+
+    /// As many uniform lines through the scene's box, cast like rays: what areas assume, to learn from.
+    pub fn uniform_lesson(&self, count: usize) -> Lesson {
+        let lines = uniform_lines(&self.stage.bounds(), count, derived_seed(self.plan.seed, u64::from(b'U')));
+        let cast = |ray: &Ray| RaySample::new(*ray, self.first.closest(ray), Query::Closest, RayClass::Other);
+        let (samples, secs) = time_thread(|| lines.iter().map(cast).collect());
+        Lesson { training: Training::from_samples(samples), secs, view: "uniform lines".to_owned(), frame: self.frame }
     }
 
     /// Builds structures, timed and in turn; the reasons of those that can't be built go to `found`.
