@@ -40,7 +40,7 @@ pub(crate) struct StudyArgs {
     /// How many training rays a view gets [default: 16384; quick: 4096]
     #[arg(long, value_name = "N", value_parser = values::ray_count)]
     pub training: Option<usize>,
-    /// How often all rays are cast, for timing [default: 3]
+    /// How often all rays are cast, for timing [default: 4]
     #[arg(long, value_name = "N", value_parser = values::rounds)]
     pub rounds: Option<usize>,
 }

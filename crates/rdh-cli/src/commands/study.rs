@@ -60,7 +60,8 @@ fn settings(args: &StudyArgs, context: &Context) -> Plan {
     } else {
         Plan { size: [256, 256], small_builds: 2, ..Plan::default() }
     };
-    let rounds = args.rounds.unwrap_or(3);
+    // An even number: of two structures each begins as often as the other.
+    let rounds = args.rounds.unwrap_or(4);
     Plan {
         size: args.size.map_or(usual.size, |s| [s.width, s.height]),
         training: args.training.unwrap_or(usual.training),

@@ -24,7 +24,7 @@ impl Experiment for Blend {
     }
 
     fn jobs(&self, scope: &Scope) -> Vec<Job> {
-        scope.jobs(self.name(), Sample::SMALL, &[Mode::Primary, Mode::Whitted])
+        scope.jobs(self.name(), Sample::FEW, &[Mode::Primary, Mode::Whitted])
     }
 
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {

@@ -29,7 +29,7 @@ impl Experiment for HowMany {
     }
 
     fn jobs(&self, scope: &Scope) -> Vec<Job> {
-        scope.jobs(self.name(), Sample::SMALL, &[Mode::Primary, Mode::Path])
+        scope.jobs(self.name(), Sample::FEW, &[Mode::Primary, Mode::Path])
     }
 
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
