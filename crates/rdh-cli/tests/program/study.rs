@@ -90,7 +90,7 @@ fn folders_that_hold_something_else_are_refused() {
     rdh(&["merge", &within(folder.path(), "nothing")]).failed(1, &["holds no study"]);
     let other = within(folder.path(), "other");
     rdh(&["study", "sombrero1", "--quick", "--experiment=aa", "--size=9x8", "--out", &other]).succeeded();
-    rdh(&["merge", &place, &other]).failed(1, &["different studies", "size: [8, 8] here, [9, 8] there"]);
+    rdh(&["merge", &place, &other]).failed(1, &["different studies", "size: [8,8] here, [9,8] there"]);
 }
 
 #[test]
