@@ -33,7 +33,7 @@ pub(crate) fn run(args: &StudyArgs, context: &Context) -> Result<()> {
         let (shard, folder) = (args.shard, args.out.display());
         return print(&format!("part {shard} is done; join the parts with: rdh merge {folder} …\n"));
     }
-    let document = merge(&[args.out.clone()])?.document();
+    let document = merge(std::slice::from_ref(&args.out))?.document();
     print_document(&document, context)?;
     verdict(&document, &[])
 }
