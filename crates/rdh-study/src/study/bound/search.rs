@@ -21,8 +21,8 @@ use super::grow::{Cut, Grown, GrownKind, Room, grow, joined};
 pub struct Effort {
     /// Planes tried in full at each node.
     pub planes: usize,
-    /// References that all trials together may start from: the budget.
-    pub references: usize,
+    /// References and rays that all trials together may start from: the budget.
+    pub things: usize,
     /// Nodes of more references are left as they are.
     pub largest: usize,
 }
@@ -30,7 +30,7 @@ pub struct Effort {
 impl Default for Effort {
     /// Some ten seconds.
     fn default() -> Self {
-        Self { planes: 6, references: 1_000_000, largest: 4_000 }
+        Self { planes: 12, things: 8_000_000, largest: 8_000 }
     }
 }
 
@@ -43,7 +43,7 @@ pub fn search(room: Room, costs: &Costs, effort: &Effort) -> Grown {
     let mut spent = 0;
     while let Some(next) = queue.pop() {
         let n = next.room.parts.len();
-        if n <= effort.largest && spent < effort.references {
+        if n <= effort.largest && spent < effort.things {
             spent += improve(&next, costs, effort, &mut arena);
         }
         if let Kind::Split(cut, children) = arena[next.node].kind {
@@ -57,7 +57,7 @@ pub fn search(room: Room, costs: &Costs, effort: &Effort) -> Grown {
     unflatten(root, &arena, costs)
 }
 
-/// Tries some planes in full; returns how many references that took.
+/// Tries some planes in full; returns what that took of the budget.
 fn improve(at: &Waiting, costs: &Costs, effort: &Effort, arena: &mut Vec<Node>) -> usize {
     let (room, standing) = (&at.room, arena[at.node].cost);
     let mut best: Option<Grown> = None;
@@ -73,7 +73,7 @@ fn improve(at: &Waiting, costs: &Costs, effort: &Effort, arena: &mut Vec<Node>) 
         let root = flatten(best, arena);
         arena[at.node] = arena[root];
     }
-    cuts.len() * room.parts.len()
+    cuts.len() * (room.parts.len() + room.rays.len())
 }
 
 /// A node whose improvement is still to come: the dearest first, then the oldest.
@@ -181,16 +181,16 @@ mod tests {
     fn a_search_never_ends_dearer_than_it_began_and_here_it_gains() {
         let costs = Costs::of(LeafWidth::One);
         let greedy = grow(&room(), &costs, 0, 0);
-        let found = search(room(), &costs, &Effort { planes: 4, references: 20_000, largest: 400 });
+        let found = search(room(), &costs, &Effort { planes: 4, things: 50_000, largest: 400 });
         assert!(found.cost < greedy.cost, "{} {}", found.cost, greedy.cost);
-        let none = search(room(), &costs, &Effort { references: 0, ..Effort::default() });
+        let none = search(room(), &costs, &Effort { things: 0, ..Effort::default() });
         assert_eq!(none.cost, greedy.cost);
     }
 
     #[test]
     fn what_a_tree_says_it_costs_is_what_its_rays_pay() {
         let (costs, room) = (Costs::of(LeafWidth::Eight), room());
-        let effort = Effort { planes: 3, references: 5_000, largest: 200 };
+        let effort = Effort { planes: 3, things: 10_000, largest: 200 };
         let (rays, low, high) = (room.rays.clone(), room.low, room.high);
         let found = search(room, &costs, &effort);
         let [cost, steps, tests] = pay(&found, &costs, &rays, low, high);
