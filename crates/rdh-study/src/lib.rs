@@ -13,6 +13,7 @@
 
 pub mod clock;
 pub mod error;
+pub mod files;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
@@ -25,6 +26,6 @@ pub mod summary;
 pub use error::{Error, Result};
 pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};
 pub use plan::{Case, Plan, Protocol, Target};
-pub use rows::{Document, Failure, Mismatch, Row, Summary, Verdict};
+pub use rows::{Curve, Document, Failure, Mismatch, Over, Row, Summary, Verdict};
 pub use run::{Event, run, run_loading};
-pub use summary::summarise;
+pub use summary::{summarise, summarise_settings};

@@ -54,7 +54,7 @@ pub fn search(room: Room, costs: &Costs, effort: &Effort) -> Grown {
             }
         }
     }
-    unflatten(root, &arena, costs)
+    unflatten(root, &arena)
 }
 
 /// Tries some planes in full; returns what that took of the budget.
@@ -140,12 +140,12 @@ fn flatten(tree: Grown, arena: &mut Vec<Node>) -> usize {
 }
 
 /// The tree with the costs that it has now.
-fn unflatten(node: usize, arena: &[Node], costs: &Costs) -> Grown {
+fn unflatten(node: usize, arena: &[Node]) -> Grown {
     let Node { kind, cost, visits } = arena[node];
     match kind {
         Kind::Leaf(n) => Grown { kind: GrownKind::Leaf(n), cost },
         Kind::Split(cut, children) => {
-            let sides = children.map(|child| unflatten(child, arena, costs));
+            let sides = children.map(|child| unflatten(child, arena));
             let cost = visits + sides[0].cost + sides[1].cost;
             Grown { kind: GrownKind::Split(cut, Box::new(sides)), cost }
         }

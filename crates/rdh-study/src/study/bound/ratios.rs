@@ -1,4 +1,4 @@
-//! The bounds of one view as curves over the number of triangles: what each tree costs the test rays, against SAH's.
+//! The bounds of one view: what each tree costs the test rays, against SAH's.
 
 use rdh::kd::{Costs, LeafWidth};
 use rdh::{Accel, BuildOptions, HeuristicSpec, KdSpec, Mesh, Probe, RdhSpec, Spec, StructureSpec, Training};
@@ -7,7 +7,6 @@ use super::grow::{Grown, Room, grow, pay};
 use super::search::{Effort, search};
 use super::shape::{Part, Segment};
 use super::small::{Paid, SmallBound, SmallScene};
-use crate::study::record::Curve;
 
 /// Scenes of up to so many triangles get the optimum over a lattice.
 pub const SMALL_UP_TO: usize = 400;
@@ -16,27 +15,38 @@ pub const SEARCHED_UP_TO: usize = 30_000;
 /// Intervals of the lattice an axis.
 const INTERVALS: usize = 10;
 
-/// The bounds for one view: `cost`, `steps` and `tests` of each tree over those of the greedy tree by areas. The test
-/// rays are the "oracle" that some trees know. Empty for scenes that are too large or flat.
+/// `cost`, `steps` or `tests` of a tree over those of the greedy tree by areas, paid by the test rays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ratio {
+    /// The quantity and the tree: `cost: lattice, optimal by oracle`.
+    pub name: String,
+    /// The structure that it is a variant of.
+    pub spec: Spec,
+    /// Below 1 is better than SAH.
+    pub ratio: f64,
+}
+
+/// The bounds for one view. The test rays are the "oracle" that some trees know. Empty for scenes that are too large, or
+/// flat.
 ///
 /// # Errors
 /// What the library says when it builds the real trees.
-pub fn bound_curves(mesh: &Mesh, training: &Training, test: &Training) -> rdh::Result<Vec<Curve>> {
-    let mut curves = Vec::new();
+pub fn bounds(mesh: &Mesh, training: &Training, test: &Training) -> rdh::Result<Vec<Ratio>> {
+    let mut ratios = Vec::new();
     match mesh.len() {
         0 => {}
         n if n <= SMALL_UP_TO => {
-            let Some(scene) = SmallScene::new(Part::all(mesh), INTERVALS) else { return Ok(curves) };
+            let Some(scene) = SmallScene::new(Part::all(mesh), INTERVALS) else { return Ok(ratios) };
             let counts = [training, test].map(|rays| scene.rays(rays));
             for leaf in [LeafWidth::One, LeafWidth::Eight] {
                 let bound = scene.bound(&Costs::of(leaf), &counts[0], &counts[1]);
-                curves.extend(on_a_lattice(mesh, leaf, &bound, training, test)?);
+                ratios.extend(on_a_lattice(mesh, leaf, &bound, training, test)?);
             }
         }
-        n if n <= SEARCHED_UP_TO => curves.extend(by_search(mesh, LeafWidth::Eight, training, test)?),
+        n if n <= SEARCHED_UP_TO => ratios.extend(by_search(mesh, LeafWidth::Eight, training, test)?),
         _ => {}
     }
-    Ok(curves)
+    Ok(ratios)
 }
 
 fn on_a_lattice(
@@ -45,7 +55,7 @@ fn on_a_lattice(
     bound: &SmallBound,
     training: &Training,
     test: &Training,
-) -> rdh::Result<Vec<Curve>> {
+) -> rdh::Result<Vec<Ratio>> {
     let [sah, rdh] = specs(leaf);
     let real = |spec: &Spec, rays: &Training| real_tree(mesh, spec, rays, test);
     let paid = [
@@ -58,10 +68,10 @@ fn on_a_lattice(
         ("lattice, built", rdh, real(&rdh, training)?),
         ("lattice, built by oracle", rdh, real(&rdh, test)?),
     ];
-    Ok(curves(mesh.len(), &bound.greedy_by_areas, &paid))
+    Ok(ratios(&bound.greedy_by_areas, &paid))
 }
 
-fn by_search(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training) -> rdh::Result<Vec<Curve>> {
+fn by_search(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training) -> rdh::Result<Vec<Ratio>> {
     let (costs, [sah, rdh]) = (Costs::of(leaf), specs(leaf));
     let [train_rays, test_rays] = [training, test].map(Segment::all);
     let room = |rays: &[Segment]| Room::new(Part::all(mesh), rays);
@@ -80,24 +90,19 @@ fn by_search(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training)
         ("search, searched by rays", rdh, paid_in(&search(room(&train_rays), &costs, &effort))),
         ("search, searched by oracle", rdh, paid_in(&search(oracle.clone(), &costs, &effort))),
     ];
-    Ok(curves(mesh.len(), &real_tree(mesh, &sah, training, test)?, &paid))
+    Ok(ratios(&real_tree(mesh, &sah, training, test)?, &paid))
 }
 
-fn curves(triangles: usize, base: &Paid, paid: &[(&str, Spec, Paid)]) -> Vec<Curve> {
-    let mut curves = Vec::new();
-    for (tree, spec, paid) in paid {
-        let ratios =
-            [("cost", paid.cost / base.cost), ("steps", paid.steps / base.steps), ("tests", paid.tests / base.tests)];
-        for (quantity, ratio) in ratios.into_iter().filter(|(_, ratio)| ratio.is_finite()) {
-            curves.push(Curve {
-                name: format!("{quantity}: {tree}"),
-                spec: *spec,
-                across: "triangles".to_owned(),
-                points: vec![[triangles as f64, ratio, 1.0]],
-            });
-        }
-    }
-    curves
+fn ratios(base: &Paid, paid: &[(&str, Spec, Paid)]) -> Vec<Ratio> {
+    let of = |(tree, spec, paid): &(&str, Spec, Paid)| {
+        let quantities =
+            [("cost", paid.cost, base.cost), ("steps", paid.steps, base.steps), ("tests", paid.tests, base.tests)];
+        let sound = quantities.into_iter().filter(|(_, _, base)| *base > 0.0);
+        let ratio =
+            |(quantity, value, base)| Ratio { name: format!("{quantity}: {tree}"), spec: *spec, ratio: value / base };
+        sound.map(ratio).collect::<Vec<_>>()
+    };
+    paid.iter().flat_map(of).collect()
 }
 
 /// SAH and RDH, searching all planes.

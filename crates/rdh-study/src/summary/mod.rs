@@ -1,12 +1,16 @@
 //! From rows to ratios against a base. Needs nothing but the rows, so that merged studies are summarised alike.
 
+mod cases;
+
 use std::collections::BTreeMap;
 
 use rdh::{RayClass, Spec};
+use rdh_scene::Kind;
 
 use crate::integrate::Mode;
-use crate::rows::{Row, Summary};
-use crate::stats::{cluster_bootstrap, geometric_mean, median, paired_interval, ratio};
+use crate::rows::{Over, Row, Summary};
+use crate::stats::{geometric_mean, paired_interval, ratio, stratified_bootstrap, stratified_mean};
+use cases::{Cases, Cell, Groups};
 
 /// The bootstrap's seed: summaries of the same rows are equal.
 const BOOTSTRAP_SEED: u64 = 0x5eed;
@@ -15,6 +19,44 @@ const BOOTSTRAP_SEED: u64 = 0x5eed;
 /// several. Pairs are rows of the same scene, view, frame, seed and protocol; what one of them lacks doesn't count.
 /// To look at a part (a kind of scene, say), give only its rows.
 pub fn summarise(rows: &[Row], base: &Spec) -> Vec<Summary> {
+    summarise_over(&rows.iter().collect::<Vec<_>>(), base, Over::Pairs)
+}
+
+/// Summaries of a study: for each setting of each experiment, in order of appearance, against the setting's first spec; over all
+/// pairs alike, over each kind of scene, and over all kinds with equal weight.
+pub fn summarise_settings(rows: &[Row]) -> Vec<Summary> {
+    let mut settings: Vec<Vec<&Row>> = Vec::new();
+    let mut found = BTreeMap::new();
+    for row in rows {
+        let at = *found.entry((&row.experiment, &row.setting, row.x.map(f64::to_bits))).or_insert(settings.len());
+        if at == settings.len() {
+            settings.push(Vec::new());
+        }
+        settings[at].push(row);
+    }
+    settings.iter().flat_map(|rows| summarise_setting(rows)).collect()
+}
+
+fn summarise_setting(rows: &[&Row]) -> Vec<Summary> {
+    let Some(first) = rows.first() else { return Vec::new() };
+    let mut summaries = summarise_over(rows, &first.spec, Over::Pairs);
+    let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|k| rows.iter().any(|r| r.kind == *k)).collect();
+    for &kind in &kinds {
+        let of_kind: Vec<&Row> = rows.iter().copied().filter(|r| r.kind == kind).collect();
+        summaries.extend(summarise_over(&of_kind, &first.spec, Over::Kind(kind)));
+    }
+    if kinds.len() > 1 {
+        summaries.extend(summarise_over(rows, &first.spec, Over::Kinds));
+    }
+    for summary in &mut summaries {
+        summary.experiment.clone_from(&first.experiment);
+        summary.setting.clone_from(&first.setting);
+        summary.x = first.x;
+    }
+    summaries
+}
+
+fn summarise_over(rows: &[&Row], base: &Spec, over: Over) -> Vec<Summary> {
     let mut specs: Vec<Spec> = Vec::new();
     for row in rows.iter().filter(|row| row.spec != *base) {
         if !specs.contains(&row.spec) {
@@ -23,126 +65,107 @@ pub fn summarise(rows: &[Row], base: &Spec) -> Vec<Summary> {
     }
     let groups = Groups::of(rows);
     let compare = |(&(mode, class), cases): (&(Mode, Option<RayClass>), &Cases)| {
-        let of_spec = |&spec: &Spec| summary(mode, class, spec, *base, cases);
+        let of_spec = |&spec: &Spec| Some(summary(mode, class, spec, *base, &Pairs::of(cases, &spec, base, over)?));
         specs.iter().filter_map(of_spec).collect::<Vec<_>>()
     };
     groups.in_order().flat_map(compare).collect()
 }
 
-/// Which rows belong together: scene, view, frame, seed, protocol.
-type CaseKey = (String, String, u32, u64, String);
-/// Per case and spec (by its text), what was measured.
-type Cases = BTreeMap<CaseKey, BTreeMap<String, Cell>>;
-
-/// What one spec did in one case, in totals over its rays.
-#[derive(Clone, Default)]
-struct Cell {
-    steps: f64,
-    tests: f64,
-    nanos: f64,
-    round_nanos: Vec<f64>,
-    build_secs: f64,
-    rrs_secs: f64,
-    bytes: f64,
+/// What a spec and the base did in the same cases.
+struct Pairs<'a> {
+    over: Over,
+    of: Vec<(Place<'a>, &'a Cell, &'a Cell)>,
 }
 
-struct Groups(BTreeMap<(Mode, Option<RayClass>), Cases>);
+/// A scene, and its weight's group.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    scene: &'a str,
+    kind: Kind,
+}
 
-impl Groups {
-    fn of(rows: &[Row]) -> Self {
-        let mut groups: BTreeMap<(Mode, Option<RayClass>), Cases> = BTreeMap::new();
-        for row in rows {
-            for class in [Some(row.class), None] {
-                let cases = groups.entry((row.mode, class)).or_default();
-                let cells = cases.entry(key(row)).or_default();
-                cells.entry(row.spec.to_string()).or_default().add(row);
-            }
+impl<'a> Pairs<'a> {
+    /// `None` without any.
+    fn of(cases: &'a Cases, spec: &Spec, base: &Spec, over: Over) -> Option<Self> {
+        let (spec, base) = (spec.to_string(), base.to_string());
+        let pair = |(key, case): (&'a cases::CaseKey, &'a cases::Case)| {
+            let place = Place { scene: &key.0, kind: case.kind };
+            Some((place, case.cells.get(&spec)?, case.cells.get(&base)?))
+        };
+        let of: Vec<_> = cases.iter().filter_map(pair).collect();
+        (!of.is_empty()).then_some(Self { over, of })
+    }
+
+    fn ratios(&self, of: fn(&Cell) -> f64) -> Vec<f64> {
+        self.of.iter().map(|(_, a, b)| ratio(of(a), of(b))).collect()
+    }
+
+    fn mean(&self, of: fn(&Cell) -> f64) -> f64 {
+        match self.over {
+            Over::Pairs | Over::Kind(_) => geometric_mean(&self.ratios(of)),
+            Over::Kinds => stratified_mean(&self.strata(&self.ratios(of))),
         }
-        Self(groups)
     }
 
-    /// Modes in order, each with its classes in order and "all" last; "all" only where there are several.
-    fn in_order(&self) -> impl Iterator<Item = (&(Mode, Option<RayClass>), &Cases)> {
-        let classes = |mode: Mode| self.0.keys().filter(|k| k.0 == mode && k.1.is_some()).count();
-        let mut keys: Vec<_> = self.0.iter().filter(|(k, _)| k.1.is_some() || classes(k.0) > 1).collect();
-        keys.sort_by_key(|(k, _)| (k.0, k.1.is_none(), k.1));
-        keys.into_iter()
+    /// Clustered by scene; where there is one scene, by its views.
+    fn interval(&self, of: fn(&Cell) -> f64) -> [f64; 2] {
+        stratified_bootstrap(&self.strata(&self.ratios(of)), BOOTSTRAP_SEED).unwrap_or([f64::NAN; 2])
     }
-}
 
-impl Cell {
-    fn add(&mut self, row: &Row) {
-        let rays = row.rays as f64;
-        self.steps += row.steps_per_ray * rays;
-        self.tests += row.tests_per_ray * rays;
-        let rounds: Vec<f64> = row.round_nanos_per_ray.iter().map(|n| n * rays).collect();
-        if self.round_nanos.is_empty() {
-            self.nanos = row.nanos_per_ray * rays;
-            self.round_nanos = rounds;
-        } else {
-            // The rounds of a case ran together: their sums are rounds of the whole.
-            self.round_nanos = self.round_nanos.iter().zip(rounds).map(|(a, b)| a + b).collect();
-            self.nanos = median(&self.round_nanos);
+    /// That of the times; a single pair has the interval of its rounds.
+    fn time_interval(&self) -> [f64; 2] {
+        if let [(_, a, b)] = &self.of[..] {
+            let time = ratio(a.nanos, b.nanos);
+            return paired_interval(&round_ratios(a, b)).unwrap_or([time; 2]);
         }
-        // Classes share the structure.
-        self.build_secs = row.build_secs;
-        self.rrs_secs = row.rrs_secs;
-        self.bytes = row.bytes as f64;
+        self.interval(|c| c.nanos)
+    }
+
+    /// `[stratum][cluster]`: the kinds if they weigh alike, else all in one; then the scenes.
+    fn strata(&self, ratios: &[f64]) -> Vec<Vec<Vec<f64>>> {
+        let mut strata: BTreeMap<Option<Kind>, BTreeMap<&str, Vec<f64>>> = BTreeMap::new();
+        for ((place, ..), &ratio) in self.of.iter().zip(ratios) {
+            let stratum = (self.over == Over::Kinds).then_some(place.kind);
+            strata.entry(stratum).or_default().entry(place.scene).or_default().push(ratio);
+        }
+        let clusters = |scenes: BTreeMap<&str, Vec<f64>>| -> Vec<Vec<f64>> {
+            let one = scenes.len() == 1;
+            let clusters = scenes.into_values();
+            if one { clusters.flatten().map(|r| vec![r]).collect() } else { clusters.collect() }
+        };
+        strata.into_values().map(clusters).collect()
     }
 }
 
-fn key(row: &Row) -> CaseKey {
-    (row.scene.clone(), row.view.clone(), row.frame, row.seed, row.protocol.to_string())
-}
-
-fn summary(mode: Mode, class: Option<RayClass>, spec: Spec, base: Spec, cases: &Cases) -> Option<Summary> {
-    let (spec_text, base_text) = (spec.to_string(), base.to_string());
-    let pair = |(key, cells): (&CaseKey, &BTreeMap<String, Cell>)| {
-        Some((key.0.clone(), cells.get(&spec_text)?.clone(), cells.get(&base_text)?.clone()))
+fn summary(mode: Mode, class: Option<RayClass>, spec: Spec, base: Spec, pairs: &Pairs<'_>) -> Summary {
+    let sure = |lies: fn([f64; 2]) -> bool| {
+        let counts = |a, b| paired_interval(&round_ratios(a, b)).is_some_and(lies);
+        pairs.of.iter().filter(|(_, a, b)| counts(a, b)).count()
     };
-    let pairs: Vec<(String, Cell, Cell)> = cases.iter().filter_map(pair).collect();
-    if pairs.is_empty() {
-        return None;
-    }
-    let mean = |of: fn(&Cell) -> f64| geometric_mean(&ratios(&pairs, of));
-    Some(Summary {
+    Summary {
+        experiment: None,
+        setting: None,
+        x: None,
+        over: pairs.over,
         mode,
         class,
         spec,
         base,
-        n: pairs.len(),
-        steps_ratio: mean(|c| c.steps),
-        tests_ratio: mean(|c| c.tests),
-        time_ratio: mean(|c| c.nanos),
-        time_ratio_ci95: time_interval(&pairs),
-        build_ratio: mean(|c| c.build_secs * 1e9),
-        build_and_rrs_ratio: mean(|c| (c.build_secs + c.rrs_secs) * 1e9),
-        bytes_ratio: mean(|c| c.bytes),
-        slower_cases: pairs.iter().filter(|(_, a, b)| is_slower(a, b)).count(),
-    })
-}
-
-fn ratios(pairs: &[(String, Cell, Cell)], of: fn(&Cell) -> f64) -> Vec<f64> {
-    pairs.iter().map(|(_, a, b)| ratio(of(a), of(b))).collect()
-}
-
-/// Clustered by scene; with one scene by its views; a single pair has the interval of its rounds.
-fn time_interval(pairs: &[(String, Cell, Cell)]) -> [f64; 2] {
-    let times = ratios(pairs, |c| c.nanos);
-    if let [(_, a, b)] = pairs {
-        return paired_interval(&round_ratios(a, b)).unwrap_or([times[0]; 2]);
+        n: pairs.of.len(),
+        steps_ratio: pairs.mean(|c| c.steps),
+        steps_ratio_ci95: pairs.interval(|c| c.steps),
+        tests_ratio: pairs.mean(|c| c.tests),
+        tests_ratio_ci95: pairs.interval(|c| c.tests),
+        cost_p999_ratio: pairs.mean(|c| c.cost_p999),
+        time_ratio: pairs.mean(|c| c.nanos),
+        time_ratio_ci95: pairs.time_interval(),
+        build_ratio: pairs.mean(|c| c.build_secs * 1e9),
+        build_and_rrs_ratio: pairs.mean(|c| (c.build_secs + c.rrs_secs) * 1e9),
+        references_ratio: pairs.mean(|c| c.references),
+        bytes_ratio: pairs.mean(|c| c.bytes),
+        slower_cases: sure(|[low, _]| low > 1.0),
+        faster_cases: sure(|[_, high]| high < 1.0),
     }
-    let mut scenes: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for ((scene, ..), &time) in pairs.iter().zip(&times) {
-        scenes.entry(scene).or_default().push(time);
-    }
-    let clusters: Vec<Vec<f64>> =
-        if scenes.len() > 1 { scenes.into_values().collect() } else { times.iter().map(|&t| vec![t]).collect() };
-    cluster_bootstrap(&clusters, BOOTSTRAP_SEED).unwrap_or([f64::NAN; 2])
-}
-
-fn is_slower(spec: &Cell, base: &Cell) -> bool {
-    paired_interval(&round_ratios(spec, base)).is_some_and(|[low, _]| low > 1.0)
 }
 
 fn round_ratios(spec: &Cell, base: &Cell) -> Vec<f64> {
@@ -153,7 +176,7 @@ fn round_ratios(spec: &Cell, base: &Cell) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::plan::Protocol;
-    use rdh_scene::Kind;
+    use crate::stats::median;
 
     /// A row of 100 rays with the given nanoseconds a ray in each round; its steps are ten times the first, its tests a tenth.
     fn row(scene: &str, view: &str, class: RayClass, spec: &str, rounds: &[f64]) -> Row {
@@ -175,6 +198,7 @@ mod tests {
             steps_per_ray: rounds[0] * 10.0,
             tests_per_ray: if scene == "void" { 0.0 } else { rounds[0] / 10.0 },
             empty_leaves_per_ray: 0.0,
+            cost_p999: 0,
             nanos_per_ray: median(rounds),
             round_nanos_per_ray: rounds.to_vec(),
             build_secs: 2.0 * rounds[0],
@@ -188,7 +212,6 @@ mod tests {
             experiment: None,
             setting: None,
             x: None,
-            cost_p999: None,
             depth_complexity: None,
         }
     }
