@@ -9,7 +9,7 @@ use super::shape::{Part, Segment};
 use super::small::{Paid, SmallBound, SmallScene};
 
 /// Scenes of up to so many triangles get the optimum over a lattice.
-pub const SMALL_UP_TO: usize = 400;
+pub const SMALL_UP_TO: usize = 450;
 /// Scenes of up to so many get the search from tree to tree.
 pub const SEARCHED_UP_TO: usize = 30_000;
 /// Intervals of the lattice an axis.

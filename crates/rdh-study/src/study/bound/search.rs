@@ -30,7 +30,7 @@ pub struct Effort {
 impl Default for Effort {
     /// Some ten seconds.
     fn default() -> Self {
-        Self { planes: 12, things: 8_000_000, largest: 8_000 }
+        Self { planes: 6, things: 2_000_000, largest: 8_000 }
     }
 }
 
