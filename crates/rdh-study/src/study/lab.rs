@@ -112,6 +112,11 @@ impl<'a> Lab<'a> {
         found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
     }
 
+    /// Another view than the named one: the last that the scene has.
+    pub fn another_view(&self, name: &str) -> Option<View> {
+        self.views.iter().rfind(|v| v.name != name).cloned()
+    }
+
     /// The test rays of a view in a mode, by class.
     pub fn rays(&self, view: &View, mode: Mode) -> Vec<RayBatch> {
         let shoot = Shoot::new(&self.stage, mode, view, self.plan);

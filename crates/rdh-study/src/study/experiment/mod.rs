@@ -3,6 +3,7 @@
 mod bound;
 mod modes;
 mod paper;
+mod termination;
 
 use rdh::Spec;
 
@@ -29,7 +30,7 @@ pub trait Experiment: Sync {
 }
 
 /// All experiments, in the order of the report.
-pub const EXPERIMENTS: &[&dyn Experiment] = &[&paper::Paper, &modes::Modes, &bound::Bound];
+pub const EXPERIMENTS: &[&dyn Experiment] = &[&paper::Paper, &modes::Modes, &termination::Termination, &bound::Bound];
 
 /// The names of all experiments, with commas between them.
 pub fn names() -> String {
