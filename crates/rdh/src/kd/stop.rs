@@ -23,7 +23,7 @@ impl StopRule {
     pub(crate) const DEEPEST: u32 = 64;
 
     /// Idle nodes of more triangles are split all the same, so that a ray that comes after all pays a bounded price.
-    const IDLE_UP_TO: usize = 64;
+    const IDLE_UP_TO: usize = 48;
 
     /// The rule for `n` triangles.
     pub(crate) fn new(spec: &KdSpec, n: usize, max_depth: Option<usize>) -> Self {

@@ -38,7 +38,7 @@ impl Experiment for Termination {
     fn jobs(&self, scope: &Scope) -> Vec<Job> {
         let modes = [Mode::Primary, Mode::Path];
         let dense = |job: &Job| scope.entries.iter().any(|e| e.id == job.scene && e.kind == Kind::Dense);
-        let mut jobs = scope.jobs(self.name(), Sample { views: 1, quick: [1, 100_000], ..Sample::ALL }, &modes);
+        let mut jobs = scope.jobs(self.name(), Sample { views: 1, triangles: 3_000_000, quick: [1, 30_000] }, &modes);
         let small = scope.jobs(self.name(), Sample::SMALL, &modes);
         jobs.retain(|job| dense(job) || small.contains(job));
         jobs
