@@ -2,12 +2,14 @@
 
 mod again;
 mod blend;
+mod bound;
 mod controls;
 mod how_many;
 mod modes;
 mod occlusion;
 mod paper;
 pub mod spd;
+mod termination;
 
 use rdh::Spec;
 
@@ -41,6 +43,8 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &blend::Blend,
     &occlusion::Occlusion,
     &controls::Controls,
+    &termination::Termination,
+    &bound::Bound,
     &again::Again,
     &spd::Spd,
 ];
