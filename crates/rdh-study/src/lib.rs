@@ -1,6 +1,7 @@
 //! Studies: which rays an application casts, what they cost in each structure, and whether a difference is one.
 //!
 //! ```text
+//!  report       records as one page of HTML
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
@@ -17,6 +18,7 @@ pub mod files;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
+pub mod report;
 pub mod rows;
 pub mod run;
 pub mod stats;
