@@ -16,15 +16,14 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Race our structures against other libraries' (engines/README.md).
+    /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
 }
 
 fn main() -> ExitCode {
     let Arguments { task: Task::Engines(arguments) } = Arguments::parse();
     match engines::run(&arguments) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(3),
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE

@@ -1,6 +1,7 @@
 //! Studies: which rays an application casts, what they cost in each structure, and whether a difference is one.
 //!
 //! ```text
+//!  bench        our structures and other libraries' side by side
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
@@ -11,6 +12,7 @@
 //! ```
 //! Each layer uses only those below it.
 
+pub mod bench;
 pub mod clock;
 pub mod error;
 pub mod integrate;

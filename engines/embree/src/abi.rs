@@ -70,7 +70,7 @@ symbols! {
 
 /// `RTCIntersectArguments` and `RTCOccludedArguments` of version 4.
 #[repr(C)]
-struct Arguments {
+pub(crate) struct Arguments {
     flags: c_uint,
     features: c_uint,
     context: *mut c_void,
@@ -82,7 +82,7 @@ struct Arguments {
 
 /// `RTCIntersectContext` of version 3.
 #[repr(C)]
-struct Context {
+pub(crate) struct Context {
     flags: c_uint,
     filter: *mut c_void,
     instance: [c_uint; 1],
