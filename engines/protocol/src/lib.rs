@@ -14,10 +14,13 @@ mod cast;
 pub mod clock;
 mod engine;
 mod files;
+pub mod heap;
 mod options;
 mod serve;
+mod triangle;
 
 pub use engine::{Absent, Built, Engine, Query, Ray};
 pub use files::Mesh;
 pub use options::Options;
 pub use serve::serve;
+pub use triangle::Triangle;

@@ -8,7 +8,14 @@ use anyhow::{Context, Error, Result};
 use super::{call, sources};
 
 /// Packages of `engines/` that make programs.
-const PACKAGES: [&str; 1] = ["rdh-engine-embree"];
+const PACKAGES: [&str; 6] = [
+    "rdh-engine-embree",
+    "rdh-engine-obvhs",
+    "rdh-engine-tinybvh",
+    "rdh-engine-parry3d",
+    "rdh-engine-bvh",
+    "rdh-engine-kdtree-ray",
+];
 
 /// Builds packages, and copies their programs into `bin`; gives those that can't be built, and why.
 pub(super) fn all(wanted: &[String], folder: &Path) -> Result<Vec<(String, Error)>> {

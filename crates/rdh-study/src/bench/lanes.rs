@@ -7,7 +7,7 @@ use rdh::{Accel, Query, Ray};
 
 use super::columns::Column;
 use super::process::{Cast, Process, Trouble};
-use super::registry::{Form, Pace, Registration};
+use super::registry::{Form, Pace, Queries, Registration};
 use super::rows::Profile;
 use super::verify::{Answers, Difference};
 use crate::clock::thread_nanos;
@@ -31,6 +31,7 @@ pub(crate) struct Lane<'a> {
     pub(crate) version: Option<String>,
     pub(crate) form: Form,
     pub(crate) pace: Pace,
+    queries: Queries,
     pub(crate) profile: Profile,
     pub(crate) build_secs: f64,
     pub(crate) bytes: u64,
@@ -69,6 +70,7 @@ impl<'a> Lane<'a> {
             version: None,
             form: Form::Single,
             pace: Pace::Full,
+            queries: Queries::Both,
             profile: if stats.spec.needs_rays() { Profile::Guided } else { Profile::None },
             build_secs: ours.build_secs,
             bytes: stats.bytes as u64,
@@ -84,6 +86,7 @@ impl<'a> Lane<'a> {
             version: Some(process.built.version.clone()),
             form: engine.form,
             pace: engine.pace,
+            queries: engine.queries,
             profile: Profile::None,
             build_secs: process.built.build_nanos as f64 * 1e-9,
             bytes: process.built.bytes,
@@ -91,9 +94,10 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Whether it takes part: packets are for coherent rays.
+    /// Whether it takes part: packets are for coherent rays, and some have no any-hit query.
     pub(crate) fn takes(&self, column: Column) -> bool {
-        self.form == Form::Single || column.is_coherent()
+        let coherent = self.form == Form::Single || column.is_coherent();
+        coherent && (self.queries == Queries::Both || column.query() == Query::Closest)
     }
 
     /// How its answers differ, and how many rays hit something.

@@ -35,7 +35,7 @@ use crate::error::{Error, Result};
 pub use columns::Column;
 pub use log::Log;
 pub use plan::BenchPlan;
-pub use registry::{Form, Pace, Registration, known_engines};
+pub use registry::{Form, Pace, Queries, Registration, known_engines};
 pub use rows::{
     BenchDocument, BenchFailure, BenchRow, BenchSummary, BuildSummary, Profile, Record, SameRays, Settings, Skipped,
 };

@@ -15,6 +15,8 @@ pub struct Registration {
     pub form: Form,
     /// How many rays it casts: slow ones get fewer.
     pub pace: Pace,
+    /// Which queries it has.
+    pub queries: Queries,
     /// Memory of its program at the most, in bytes a triangle: its build, its tree and its copies of the mesh.
     pub bytes_per_triangle: usize,
 }
@@ -36,6 +38,15 @@ pub enum Pace {
     Full,
     /// [`BenchPlan::slow_size`](super::BenchPlan::slow_size) squared; ours cast the same rays once more, to be compared.
     Slow,
+}
+
+/// Which queries a competitor has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Queries {
+    /// Closest and any hit.
+    Both,
+    /// Only the closest: it takes no part in columns that ask for any hit.
+    Closest,
 }
 
 impl Form {
@@ -61,14 +72,18 @@ pub fn known_engines() -> Vec<Registration> {
         ..Registration::new(name, program, modes)
     };
     let default = ["high-avx2", "high-avx512", "medium-avx2", "medium-avx512"];
-    let robust = ["high-robust-avx2", "high-robust-avx512", "medium-robust-avx2", "medium-robust-avx512"];
+    // Embree builds the same for high quality: no spatial splits where edges are to be watertight.
+    let robust = ["medium-robust-avx2", "medium-robust-avx512"];
     vec![
         embree("embree4", "rdh-engine-embree4", Form::Single, &default),
         embree("embree4-robust", "rdh-engine-embree4", Form::Single, &robust),
         embree("embree4-pkt16", "rdh-engine-embree4", Form::Packets, &default),
         embree("embree3", "rdh-engine-embree3", Form::Single, &default),
         Registration::new("obvhs", "rdh-engine-obvhs", &["cwbvh-very_slow", "bvh2-very_slow", "cwbvh-medium"]),
-        Registration::new("tinybvh", "rdh-engine-tinybvh", &["bvh8", "cwbvh"]),
+        Registration {
+            queries: Queries::Closest,
+            ..Registration::new("tinybvh", "rdh-engine-tinybvh", &["bvh8", "bvh8-hq"])
+        },
         slow("parry3d", "rdh-engine-parry3d", &["default"], 600),
         slow("bvh", "rdh-engine-bvh", &["default"], 800),
         slow("kdtree-ray", "rdh-engine-kdtree-ray", &["default"], 1500),
@@ -84,6 +99,7 @@ impl Registration {
             modes: modes.iter().map(|&mode| mode.to_owned()).collect(),
             form: Form::Single,
             pace: Pace::Full,
+            queries: Queries::Both,
             bytes_per_triangle: 600,
         }
     }
