@@ -33,5 +33,6 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Record(args) => commands::record::run(args, &context),
         Command::Rays(args) => commands::rays::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
+        Command::Bench(args) => commands::bench::run(args, &context),
     }
 }

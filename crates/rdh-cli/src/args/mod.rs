@@ -1,5 +1,6 @@
 //! What was typed.
 
+mod bench;
 mod compare;
 mod rays;
 mod record;
@@ -12,6 +13,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, ColorChoice, Parser, Subcommand};
 
+pub(crate) use bench::BenchArgs;
 pub(crate) use compare::CompareArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
@@ -52,6 +54,8 @@ pub(crate) enum Command {
     Rays(RaysArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
+    /// Race our structures against other libraries'
+    Bench(BenchArgs),
 }
 
 /// Arguments that every command takes.
