@@ -19,14 +19,14 @@ struct Arguments {
 enum Task {
     /// Look at a page in a real browser, and complain.
     Browser(browser::Arguments),
-    /// Race our structures against other libraries' (engines/README.md).
+    /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Browser(arguments) => browser::run(&arguments),
-        Task::Engines(arguments) => engines::run(&arguments),
+        Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  report       records as one page of HTML
+//!  bench        our structures and other libraries' side by side
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
@@ -12,6 +13,7 @@
 //! ```
 //! Each layer uses only those below it.
 
+pub mod bench;
 pub mod clock;
 pub mod error;
 pub mod files;

@@ -29,7 +29,7 @@ impl Target {
         self.view_names().len()
     }
 
-    pub(super) fn view_names(&self) -> Vec<String> {
+    pub(crate) fn view_names(&self) -> Vec<String> {
         if self.views.is_empty() {
             self.entry.views.iter().map(|v| v.name.clone()).collect()
         } else {

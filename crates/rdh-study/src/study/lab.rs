@@ -3,12 +3,13 @@
 use std::fmt;
 
 use rayon::ThreadPool;
-use rdh::{Accel, BuildOptions, Mesh, Spec, Training};
+use rdh::{Accel, BuildOptions, Mesh, Query, Ray, RayClass, RaySample, Spec, Training};
 use rdh_scene::{Entry, View};
 
+use super::lines::uniform_lines;
 use super::record::{Job, Record};
 use crate::clock::time_thread;
-use crate::integrate::{Mode, RayBatch, Shoot, Stage};
+use crate::integrate::{Mode, RayBatch, Shoot, Stage, derived_seed};
 use crate::plan::{Case, Plan, Protocol, Target};
 use crate::rows::{Failure, Row};
 use crate::run::{Built, Lesson, Load, Trial, build_interleaved, in_pool};
@@ -89,6 +90,14 @@ impl<'a> Lab<'a> {
         Self::open(self.entry, frame, self.plan, self.load, self.pool)
     }
 
+    /// Another scene, under the same conditions.
+    ///
+    /// # Errors
+    /// As [`Lab::open`].
+    pub fn at_scene<'b>(&'b self, entry: &'b Entry) -> Result<Lab<'b>, String> {
+        Lab::open(entry, 0, self.plan, self.load, self.pool)
+    }
+
     /// The scene's triangles.
     pub fn mesh(&self) -> &Mesh {
         self.stage.mesh()
@@ -102,6 +111,11 @@ impl<'a> Lab<'a> {
         let known = || self.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
         let found = self.views.iter().find(|v| v.name == name).cloned();
         found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
+    }
+
+    /// Another view than the named one: the last that the scene has.
+    pub fn another_view(&self, name: &str) -> Option<View> {
+        self.views.iter().rfind(|v| v.name != name).cloned()
     }
 
     /// The test rays of a view in a mode, by class.
@@ -120,6 +134,21 @@ impl<'a> Lab<'a> {
         };
         let (training, secs) = time_thread(|| shoot.training(&self.first, test_rays));
         Lesson { training, secs, view: view.name.clone(), frame: self.frame }
+    }
+
+    /// As many uniform lines through the scene's box, cast like rays: what areas assume, to learn from.
+    pub fn uniform_lesson(&self, count: usize) -> Lesson {
+        let lines = uniform_lines(&self.stage.bounds(), count, derived_seed(self.plan.seed, u64::from(b'L'))).rays;
+        let cast = |ray: &Ray| RaySample::new(*ray, self.first.closest(ray), Query::Closest, RayClass::Other);
+        let (samples, secs) = time_thread(|| lines.iter().map(cast).collect());
+        Lesson { training: Training::from_samples(samples), secs, view: "uniform lines".to_owned(), frame: self.frame }
+    }
+
+    /// A fair sample of at most `count` of the test rays of a view in a mode, with where they end: to weigh trees by, in
+    /// place of casting them all.
+    pub fn sample(&self, view: &View, mode: Mode, count: usize) -> Training {
+        let plan = Plan { protocol: Protocol::Same, ..self.plan.clone() };
+        Shoot::new(&self.stage, mode, view, &plan).training(&self.first, count)
     }
 
     /// Builds structures, timed and in turn; the reasons of those that can't be built go to `found`.

@@ -8,7 +8,7 @@ use super::log;
 use super::plan::StudyPlan;
 use super::record::{Job, Record};
 use crate::error::{Error, Result};
-use crate::rows::Document;
+use crate::rows::{Document, Row};
 use crate::summary::summarise_settings;
 
 /// A study as far as it has come.
@@ -54,7 +54,11 @@ pub fn merge(folders: &[PathBuf]) -> Result<Merged> {
 impl Merged {
     /// Rows, summaries by setting, and what went wrong: the document that `compare` prints.
     pub fn document(&self) -> Document {
-        let rows: Vec<_> = self.records.iter().flat_map(|r| r.rows.clone()).collect();
+        // Experiment by experiment, whichever scene each of them began with.
+        let mut rows: Vec<Row> = Vec::new();
+        for name in &self.plan.experiments {
+            rows.extend(self.records.iter().filter(|r| r.job.experiment == *name).flat_map(|r| r.rows.clone()));
+        }
         Document {
             version: Document::VERSION,
             summary: summarise_settings(&rows),

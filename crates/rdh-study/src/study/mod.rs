@@ -6,13 +6,17 @@
 //!  log          one checksummed record a line
 //!  plan, shard  what a study is made of, and which part of it is whose
 //!  experiment   the questions, one file each: which jobs, and how one is done
+//!  bound        optimal trees, and searches for better ones
+//!  lines        uniform lines
 //!  lab          a scene made ready, its rays, its structures, the instruments
 //!  scope        which scenes, views and modes there are
 //!  record       what one job found: a line of the log
 //! ```
 
+pub mod bound;
 pub mod experiment;
 pub mod lab;
+pub mod lines;
 pub mod log;
 pub mod merge;
 pub mod plan;

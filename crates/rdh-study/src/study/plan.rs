@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rdh_scene::Entry;
 use serde::{Deserialize, Serialize};
 
 use super::experiment::{self, EXPERIMENTS};
@@ -129,45 +128,13 @@ impl StudyPlan {
 
     /// The first thing in which two plans differ, in words.
     pub fn difference(&self, other: &Self) -> Option<String> {
-        let differs = |what: &str, ours: String, theirs: String| {
-            (ours != theirs).then(|| format!("{what}: {} here, {} there", shortened(&ours), shortened(&theirs)))
-        };
-        let both = |of: fn(&Self) -> String| (of(self), of(other));
-        let parts: [(&str, fn(&Self) -> String); 11] = [
-            ("version of the program", |p| p.program.clone()),
-            ("seed", |p| p.seed.to_string()),
-            ("quick", |p| p.quick.to_string()),
-            ("size", |p| format!("{:?}", p.size)),
-            ("training", |p| p.training.to_string()),
-            ("rounds", |p| format!("{:?}", p.rounds)),
-            ("builds", |p| p.builds.to_string()),
-            ("experiments", |p| p.experiments.join(", ")),
-            ("modes", |p| p.modes.iter().map(Mode::to_string).collect::<Vec<_>>().join(", ")),
-            ("scenes", |p| p.scenes.iter().map(|(id, n)| format!("{id} ({n})")).collect::<Vec<_>>().join(", ")),
-            ("jobs", |p| format!("{} jobs", p.jobs.len())),
-        ];
-        let first = parts.iter().find_map(|(what, of)| {
-            let (ours, theirs) = both(*of);
-            differs(what, ours, theirs)
-        });
-        first.or_else(|| (self != other).then(|| "the jobs".to_owned()))
-    }
-
-    /// The entries of the plan's scenes, in order, out of those that there are.
-    ///
-    /// # Errors
-    /// A scene that isn't there, or has another number of triangles than when the study was planned.
-    pub fn entries(&self, known: &[Entry]) -> Result<Vec<Entry>> {
-        let find = |(id, triangles): &(String, usize)| {
-            let missing = || Error::Plan(format!("scene '{id}' of the study isn't there; is --scenes DIR missing?"));
-            let entry = known.iter().find(|e| e.id == *id).ok_or_else(missing)?;
-            if entry.triangles != *triangles {
-                let reason = format!("scene '{id}' has {} triangles; when planned it had {triangles}", entry.triangles);
-                return Err(Error::Plan(reason));
-            }
-            Ok(entry.clone())
-        };
-        self.scenes.iter().map(find).collect()
+        let values = |plan: &Self| serde_json::to_value(plan).unwrap_or_default();
+        let (here, there) = (values(self), values(other));
+        let fields =
+            ["program", "seed", "quick", "size", "training", "rounds", "builds", "experiments", "modes", "scenes"];
+        let first = fields.into_iter().find(|&f| here[f] != there[f]);
+        let words = |f: &str| format!("{f}: {} here, {} there", shortened(&here[f]), shortened(&there[f]));
+        first.map(words).or_else(|| (self != other).then(|| "the jobs".to_owned()))
     }
 
     fn path(folder: &Path) -> PathBuf {
@@ -180,7 +147,9 @@ fn known(name: &str) -> Result<&'static dyn experiment::Experiment> {
     experiment::find(name).ok_or_else(unknown)
 }
 
-fn shortened(text: &str) -> String {
+/// As much of a value as fits into a line.
+fn shortened(value: &serde_json::Value) -> String {
     const MOST: usize = 120;
-    if text.chars().count() <= MOST { text.to_owned() } else { text.chars().take(MOST).chain("…".chars()).collect() }
+    let text = value.to_string();
+    if text.chars().count() <= MOST { text } else { text.chars().take(MOST).chain("…".chars()).collect() }
 }

@@ -2,7 +2,7 @@
 
 mod cases;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rdh::{RayClass, Spec};
 use rdh_scene::Kind;
@@ -22,8 +22,8 @@ pub fn summarise(rows: &[Row], base: &Spec) -> Vec<Summary> {
     summarise_over(&rows.iter().collect::<Vec<_>>(), base, Over::Pairs)
 }
 
-/// Summaries of a study: for each setting of each experiment, in order of appearance, against the setting's first spec; over all
-/// pairs alike, over each kind of scene, and over all kinds with equal weight.
+/// Summaries of a study: for each setting of each experiment, in order of appearance (or along their axis, where each setting of an
+/// experiment has a place of its own), against the setting's first spec; over all pairs alike, over each kind of scene, and over all kinds with equal weight.
 pub fn summarise_settings(rows: &[Row]) -> Vec<Summary> {
     let mut settings: Vec<Vec<&Row>> = Vec::new();
     let mut found = BTreeMap::new();
@@ -34,7 +34,18 @@ pub fn summarise_settings(rows: &[Row]) -> Vec<Summary> {
         }
         settings[at].push(row);
     }
+    for of_experiment in settings.chunk_by_mut(|a, b| a[0].experiment == b[0].experiment) {
+        let xs: BTreeSet<Option<u64>> = of_experiment.iter().map(|rows| rows[0].x.map(f64::to_bits)).collect();
+        if xs.len() == of_experiment.len() {
+            of_experiment.sort_by(|a, b| order(a[0].x).total_cmp(&order(b[0].x)));
+        }
+    }
     settings.iter().flat_map(|rows| summarise_setting(rows)).collect()
+}
+
+/// A setting without a place stands behind those that have one.
+fn order(x: Option<f64>) -> f64 {
+    x.unwrap_or(f64::INFINITY)
 }
 
 fn summarise_setting(rows: &[&Row]) -> Vec<Summary> {
@@ -308,5 +319,47 @@ mod tests {
     fn nothing_to_compare_gives_no_summary() {
         assert!(summarise(&[], &base()).is_empty());
         assert!(summarise(&[row("a", "1", RayClass::Primary, "kd+rdh", &[1.0])], &base()).is_empty());
+    }
+
+    /// A row of a study: an open scene, unless its name begins with "d".
+    fn placed(experiment: &str, setting: &str, x: Option<f64>, scene: &str, spec: &str, nanos: f64) -> Row {
+        let kind = if scene.starts_with('d') { Kind::Dense } else { Kind::Open };
+        let (experiment, setting) = (Some(experiment.to_owned()), Some(setting.to_owned()));
+        Row { experiment, setting, x, kind, ..row(scene, "1", RayClass::Primary, spec, &[nanos; 3]) }
+    }
+
+    #[test]
+    fn kinds_weigh_alike_where_it_is_said_and_each_setting_has_its_own_base() {
+        let mut rows = Vec::new();
+        for (scene, ours) in [("a", 50.0), ("b", 50.0), ("c", 50.0), ("dense", 200.0)] {
+            rows.push(placed("modes", "unseen", None, scene, "kd+sah", 100.0));
+            rows.push(placed("modes", "unseen", None, scene, "kd+rdh", ours));
+            rows.push(placed("blend", "one", None, scene, "kd+rdh", 80.0));
+            rows.push(placed("blend", "one", None, scene, "kd+rdh(prior=1)", 40.0));
+        }
+        let all = summarise_settings(&rows);
+        let of = |over| all.iter().find(|s| s.over == over && s.experiment.as_deref() == Some("modes")).unwrap();
+        assert!(near(of(Over::Pairs).time_ratio, (0.5f64.powi(3) * 2.0).powf(0.25)));
+        assert!(near(of(Over::Kinds).time_ratio, 1.0) && near(of(Over::Kinds).steps_ratio, 1.0));
+        assert!(near(of(Over::Kind(Kind::Dense)).time_ratio, 2.0) && of(Over::Kind(Kind::Open)).n == 3);
+        assert_eq!((of(Over::Pairs).faster_cases, of(Over::Pairs).slower_cases), (3, 1));
+        let blend = all.iter().find(|s| s.experiment.as_deref() == Some("blend")).unwrap();
+        assert!(blend.base == "kd+rdh".parse().unwrap() && near(blend.time_ratio, 0.5));
+    }
+
+    #[test]
+    fn settings_stand_along_their_axis_if_it_tells_them_apart() {
+        let rows = |xs: &[Option<f64>]| -> Vec<Row> {
+            let of = |(i, &x): (usize, &Option<f64>)| {
+                ["kd+sah", "kd+rdh"].map(|spec| placed("e", &format!("{i}"), x, "a", spec, 100.0))
+            };
+            xs.iter().enumerate().flat_map(of).collect()
+        };
+        let order = |xs: &[Option<f64>]| -> Vec<String> {
+            let of_pairs = summarise_settings(&rows(xs)).into_iter().filter(|s| s.over == Over::Pairs);
+            of_pairs.filter_map(|s| s.setting).collect()
+        };
+        assert_eq!(order(&[None, Some(8.0), Some(2.0)]), ["2", "1", "0"]);
+        assert_eq!(order(&[Some(8.0), Some(2.0), Some(8.0)]), ["0", "1", "2"]);
     }
 }

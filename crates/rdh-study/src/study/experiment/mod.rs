@@ -1,7 +1,15 @@
 //! The study's questions, one file each.
 
+mod again;
+mod blend;
+mod bound;
+mod controls;
+mod how_many;
 mod modes;
+mod occlusion;
 mod paper;
+pub mod spd;
+mod termination;
 
 use rdh::Spec;
 
@@ -28,7 +36,18 @@ pub trait Experiment: Sync {
 }
 
 /// All experiments, in the order of the report.
-pub const EXPERIMENTS: &[&dyn Experiment] = &[&paper::Paper, &modes::Modes];
+pub const EXPERIMENTS: &[&dyn Experiment] = &[
+    &paper::Paper,
+    &modes::Modes,
+    &how_many::HowMany,
+    &blend::Blend,
+    &occlusion::Occlusion,
+    &controls::Controls,
+    &termination::Termination,
+    &bound::Bound,
+    &again::Again,
+    &spd::Spd,
+];
 
 /// The names of all experiments, with commas between them.
 pub fn names() -> String {

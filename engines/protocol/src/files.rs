@@ -1,31 +1,39 @@
-//! Mesh and ray files, as the driver writes them. All little-endian.
+//! Mesh and ray files, as the driver writes them, and answers, as it reads them. All little-endian.
 //!
 //! ```text
-//! mesh:  "RDH-MESH"  u64 vertices  u64 triangles  f32 x y z …  u32 a b c …
-//! rays:  "RDH-CAST"  u64 rays  f32 ox oy oz dx dy dz t_min t_max …
+//! mesh:     "RDH-MESH"  u64 vertices  u64 triangles  f32 x y z …  u32 a b c …
+//! rays:     "RDH-CAST"  u64 rays  f32 ox oy oz dx dy dz t_min t_max …
+//! answers:  f32 t …     of each ray; infinite for a miss, 0 for an occlusion
 //! ```
 
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::engine::Ray;
+
 /// A triangle mesh.
 #[derive(Debug)]
-pub(crate) struct Mesh {
-    pub(crate) positions: Vec<[f32; 3]>,
-    pub(crate) triangles: Vec<[u32; 3]>,
+pub struct Mesh {
+    /// Vertices.
+    pub positions: Vec<[f32; 3]>,
+    /// Corners, as indices of vertices; in range.
+    pub triangles: Vec<[u32; 3]>,
 }
 
-/// Rays: origin, direction, `t_min`, `t_max`.
-#[derive(Debug)]
-pub(crate) struct Rays(pub(crate) Vec<[f32; 8]>);
+impl Mesh {
+    /// The corners of each triangle, in order.
+    pub fn corners(&self) -> impl Iterator<Item = [[f32; 3]; 3]> {
+        self.triangles.iter().map(|t| t.map(|i| self.positions[i as usize]))
+    }
+}
 
 /// Reads a mesh file; indices are in range afterwards.
 pub(crate) fn read_mesh(path: &Path) -> Result<Mesh> {
     read(path, |data| {
         let (counts, body) = header::<2>(data, b"RDH-MESH", [12, 12])?;
         let (positions, triangles) = body.split_at(counts[0] * 12);
-        let positions: Vec<_> = floats(positions);
+        let positions: Vec<_> = floats(positions).collect();
         let triangles: Vec<[u32; 3]> = numbers(triangles).map(|t| t.map(u32::from_le_bytes)).collect();
         let wrong = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= positions.len()));
         match wrong {
@@ -36,11 +44,23 @@ pub(crate) fn read_mesh(path: &Path) -> Result<Mesh> {
 }
 
 /// Reads a ray file.
-pub(crate) fn read_rays(path: &Path) -> Result<Rays> {
+pub(crate) fn read_rays(path: &Path) -> Result<Vec<Ray>> {
     read(path, |data| {
         let (_, body) = header::<1>(data, b"RDH-CAST", [32])?;
-        Ok(Rays(floats(body)))
+        let ray = |[ox, oy, oz, dx, dy, dz, t_min, t_max]: [f32; 8]| Ray {
+            origin: [ox, oy, oz],
+            direction: [dx, dy, dz],
+            t_min,
+            t_max,
+        };
+        Ok(floats(body).map(ray).collect())
     })
+}
+
+/// Writes each ray's answer.
+pub(crate) fn write_answers(path: &Path, answers: &[f32]) -> Result<()> {
+    let bytes: Vec<u8> = answers.iter().flat_map(|t| t.to_le_bytes()).collect();
+    std::fs::write(path, bytes).with_context(|| path.display().to_string())
 }
 
 fn read<T>(path: &Path, parse: impl FnOnce(&[u8]) -> Result<T>) -> Result<T> {
@@ -62,8 +82,8 @@ fn header<'a, const N: usize>(data: &'a [u8], magic: &[u8; 8], sizes: [usize; N]
     Ok((counts, &data[begins..]))
 }
 
-fn floats<const N: usize>(data: &[u8]) -> Vec<[f32; N]> {
-    numbers(data).map(|item| item.map(f32::from_le_bytes)).collect()
+fn floats<const N: usize>(data: &[u8]) -> impl Iterator<Item = [f32; N]> {
+    numbers(data).map(|item| item.map(f32::from_le_bytes))
 }
 
 fn numbers<const N: usize>(data: &[u8]) -> impl Iterator<Item = [[u8; 4]; N]> {

@@ -5,11 +5,14 @@ use std::str::FromStr;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rdh::{Accel, Hit, Query, Ray, RayClass};
-use rdh_study::{Lens, Stage};
+use serde::{Deserialize, Serialize};
+
+use crate::integrate::{Lens, Stage};
 
 /// A kind of rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Column {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Column {
     /// Primary rays in scan-line order, closest hit.
     Rows,
     /// The same rays in Morton order.
@@ -24,10 +27,11 @@ pub(crate) enum Column {
 }
 
 impl Column {
-    const ALL: [Self; 5] = [Self::Rows, Self::Tiles, Self::Shadow, Self::Bounce, Self::Ao];
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 5] = [Self::Rows, Self::Tiles, Self::Shadow, Self::Bounce, Self::Ao];
 
     /// The name in tables.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Rows => "rows",
             Self::Tiles => "tiles",
@@ -38,7 +42,7 @@ impl Column {
     }
 
     /// What is asked of its rays.
-    pub(crate) fn query(self) -> Query {
+    pub fn query(self) -> Query {
         match self {
             Self::Rows | Self::Tiles | Self::Bounce => Query::Closest,
             Self::Shadow | Self::Ao => Query::Occluded,
@@ -46,13 +50,18 @@ impl Column {
     }
 
     /// What its rays are for.
-    pub(crate) fn class(self) -> RayClass {
+    pub fn class(self) -> RayClass {
         match self {
             Self::Rows | Self::Tiles => RayClass::Primary,
             Self::Shadow => RayClass::Shadow,
             Self::Bounce => RayClass::Bounce,
             Self::Ao => RayClass::Ao,
         }
+    }
+
+    /// Whether neighbouring rays are alike.
+    pub fn is_coherent(self) -> bool {
+        matches!(self, Self::Rows | Self::Tiles | Self::Shadow)
     }
 }
 
@@ -70,8 +79,10 @@ impl FromStr for Column {
 pub(crate) struct Film {
     /// Pixels across and down.
     pub(crate) size: usize,
-    /// Samples lie anywhere in their pixels, by this seed; in the middle without one.
-    pub(crate) jitter: Option<u64>,
+    /// Whether samples lie anywhere in their pixels, or in the middle.
+    pub(crate) jitter: bool,
+    /// What all randomness comes from.
+    pub(crate) seed: u64,
 }
 
 /// All primary rays of a view and where they end, from which the columns are made.
@@ -86,8 +97,8 @@ pub(crate) struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// Casts the primary rays through any structure of the stage.
     pub(crate) fn new(stage: &'a Stage, accel: &Accel, lens: &Lens, film: Film) -> Self {
-        let mut random = Pcg64Mcg::seed_from_u64(film.jitter.unwrap_or(0));
-        let mut within = || film.jitter.map_or(0.5, |_| unit(&mut random));
+        let mut random = Pcg64Mcg::seed_from_u64(film.seed);
+        let mut within = || if film.jitter { unit(&mut random) } else { 0.5 };
         let size = film.size as f64;
         let mut ray = |i: usize| {
             let (x, y) = ((i % film.size) as f64 + within(), (i / film.size) as f64 + within());
@@ -95,7 +106,7 @@ impl<'a> Frame<'a> {
         };
         let rays = (0..film.size * film.size).map(&mut ray);
         let primary = rays.map(|ray| (ray, accel.closest(&ray))).collect();
-        Self { stage, primary, size: film.size, seed: film.jitter.unwrap_or(0) }
+        Self { stage, primary, size: film.size, seed: film.seed }
     }
 
     /// The rays of a column.
@@ -107,7 +118,7 @@ impl<'a> Frame<'a> {
         if column == Column::Tiles {
             return in_tiles.map(|(ray, _)| *ray).collect();
         }
-        let mut random = Pcg64Mcg::seed_from_u64(self.seed ^ column as u64);
+        let mut random = Pcg64Mcg::seed_from_u64(self.seed << 8 ^ column as u64);
         in_tiles.filter_map(|(ray, hit)| self.secondary(column, ray, hit.as_ref()?, &mut random)).collect()
     }
 
@@ -196,8 +207,8 @@ fn spread(x: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrate::Mode;
     use rdh::{BuildOptions, Spec, Training};
-    use rdh_study::Mode;
 
     #[test]
     fn columns_are_made_of_the_same_primary_rays() {
@@ -205,7 +216,7 @@ mod tests {
         let stage = Stage::new(&entry.load(0).unwrap()).unwrap();
         let accel = rdh::build(stage.mesh(), &Spec::default(), &Training::none(), &BuildOptions::default()).unwrap();
         let lens = Lens::new(&stage, Mode::Primary, &entry.views[0], 1.0);
-        let frame = Frame::new(&stage, &accel, &lens, Film { size: 50, jitter: None });
+        let frame = Frame::new(&stage, &accel, &lens, Film { size: 50, jitter: false, seed: 1 });
         let bits = |ray: &Ray| bytemuck::cast::<Ray, [u32; 9]>(*ray);
         let sorted = |column| {
             let mut rays: Vec<_> = frame.rays(column).iter().map(bits).collect();

@@ -3,12 +3,12 @@
 use rustix::time::{ClockId, clock_gettime};
 
 /// CPU time of this thread in nanoseconds, from an arbitrary start.
-pub(crate) fn thread_nanos() -> u64 {
+pub fn thread_nanos() -> u64 {
     nanos(ClockId::ThreadCPUTime)
 }
 
 /// CPU time of all threads of this process in nanoseconds, from an arbitrary start.
-pub(crate) fn process_nanos() -> u64 {
+pub fn process_nanos() -> u64 {
     nanos(ClockId::ProcessCPUTime)
 }
 
