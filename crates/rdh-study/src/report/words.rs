@@ -38,7 +38,7 @@ pub(super) fn figures(effect: &Effect) -> String {
     let [low, high] = effect.interval.map(digits);
     match effect.n {
         1 => format!("{}, one view", digits(effect.mean)),
-        _ => format!("{}, {low}–{high}", digits(effect.mean)),
+        _ => format!("{}, {low}–\u{2060}{high}", digits(effect.mean)),
     }
 }
 
