@@ -3,6 +3,7 @@
 mod compare;
 mod rays;
 mod render;
+mod report;
 mod run;
 mod scenes;
 mod study;
