@@ -113,6 +113,12 @@ pub(super) fn kind(kind: Kind) -> &'static str {
     }
 }
 
+/// The words with a capital first letter.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Joins parts as prose does: `a, b and c`.
 pub(super) fn list(parts: &[String]) -> String {
     match parts {
