@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use rdh::{RayClass, Spec};
+use rdh_scene::Kind;
 
 use super::effect::{Effect, Verdict};
 use super::pairs::{Metric, Pair};
@@ -53,7 +54,7 @@ pub(super) enum Key {
     Base,
 }
 
-/// Groups pairs: by mode and class in their order, then by the axis, then in order of appearance.
+/// Groups pairs: by mode and class in their order; settings by family in order of appearance, in it by the axis.
 pub(super) fn group<'p, 'r>(pairs: &[&'p Pair<'r>], keys: &[Key]) -> Vec<Group<'p, 'r>> {
     let mut groups: Vec<Group<'p, 'r>> = Vec::new();
     for &pair in pairs {
@@ -63,7 +64,15 @@ pub(super) fn group<'p, 'r>(pairs: &[&'p Pair<'r>], keys: &[Key]) -> Vec<Group<'
             None => groups.push(Group { labels, pairs: vec![pair] }),
         }
     }
-    groups.sort_by(|a, b| rank(a, keys).partial_cmp(&rank(b, keys)).unwrap_or(std::cmp::Ordering::Equal));
+    let mut families: Vec<String> = Vec::new();
+    for pair in pairs {
+        let name = family(pair);
+        if !families.contains(&name) {
+            families.push(name);
+        }
+    }
+    let rank = |g: &Group<'_, '_>| rank(g, keys, &families);
+    groups.sort_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
     groups
 }
 
@@ -196,17 +205,26 @@ impl Key {
     }
 }
 
-type Rank = (Option<Mode>, Option<(bool, Option<RayClass>)>, Option<rdh_scene::Kind>, Option<f64>);
+/// The setting, without its number if it has a place on the axis: settings that differ in that alone are a family.
+pub(super) fn family(pair: &Pair<'_>) -> String {
+    if pair.x.is_none() {
+        return pair.setting.to_owned();
+    }
+    let is_word = |word: &&str| !word.is_empty() && word.parse::<f64>().is_err();
+    pair.setting.split([' ', ':', '=']).filter(is_word).collect::<Vec<_>>().join(" ")
+}
+
+type Rank = (Option<Mode>, Option<(bool, Option<RayClass>)>, Option<Kind>, Option<(usize, Option<f64>)>);
 
 /// Only what is grouped by decides the order; a stable sort leaves the rest as it came.
-fn rank(group: &Group<'_, '_>, keys: &[Key]) -> Rank {
+fn rank(group: &Group<'_, '_>, keys: &[Key], families: &[String]) -> Rank {
     let first = group.pairs[0];
     let has = |key: Key| keys.contains(&key);
+    let place = || (families.iter().position(|f| *f == family(first)).unwrap_or_default(), first.x);
     (
         has(Key::Mode).then_some(first.job.mode),
         has(Key::Class).then_some((first.class.is_none(), first.class)),
         has(Key::Kind).then_some(first.kind),
-        // What has no place on the axis stands after it.
-        has(Key::Setting).then_some(first.x.unwrap_or(f64::INFINITY)),
+        has(Key::Setting).then(place),
     )
 }

@@ -135,6 +135,7 @@ fn noun(metric: Metric) -> &'static str {
         Metric::Time => "time",
         Metric::Build => "build time",
         Metric::BuildAndRays => "time for the build and its training rays",
+        Metric::Frame => "time for build, training rays and this frame",
         Metric::Bytes => "memory",
         Metric::References => "references",
         Metric::Worst => "cost at the 99.9th percentile",

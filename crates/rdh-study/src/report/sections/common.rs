@@ -7,7 +7,7 @@ use super::super::effect::Effect;
 use super::super::figure::figure;
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Entry, Line, Upwards, forest, lines};
-use super::super::table::{Group, Key, group};
+use super::super::table::{Group, Key, family, group};
 use super::super::view::Study;
 use super::super::words;
 use crate::rows::Curve;
@@ -117,20 +117,13 @@ fn line_figure(drawn: &[Line], metric: Metric, across: &str, caption: &Markup) -
 pub(super) fn families<'p, 'r>(pairs: &[&'p Pair<'r>]) -> Vec<(String, Vec<&'p Pair<'r>>)> {
     let mut families: Vec<(String, Vec<&Pair<'_>>)> = Vec::new();
     for &pair in pairs.iter().filter(|p| p.x.is_some()) {
-        let name = family(pair.setting);
+        let name = family(pair);
         match families.iter_mut().find(|f| f.0 == name) {
             Some(found) => found.1.push(pair),
             None => families.push((name, vec![pair])),
         }
     }
     families
-}
-
-/// The setting without its number.
-fn family(setting: &str) -> String {
-    let is_word = |word: &&str| word.parse::<f64>().is_err();
-    let words = setting.split([' ', ':', '=']).filter(|w| !w.is_empty()).filter(is_word);
-    words.collect::<Vec<_>>().join(" ")
 }
 
 /// The lines of one family.
@@ -160,37 +153,96 @@ pub(super) fn points(pairs: &[&Pair<'_>], metric: Metric) -> Vec<[f64; 4]> {
     xs.into_iter().filter_map(at).collect()
 }
 
-/// All curves as figures: those over one quantity, whose names begin alike (up to the first comma), share a plot.
+/// All curves as figures. Their names have parts: what is measured, which line it is, and perhaps a group at the end; what is
+/// measured over one quantity, in one group, shares a plot. Curves of single points become forest plots of their means.
 pub(super) fn curve_plots(curves: &[&Curve]) -> Markup {
-    let mut plots: Vec<((&str, &str), Vec<&Curve>)> = Vec::new();
-    for &curve in curves.iter().filter(|c| c.points.len() > 1) {
-        let key = (curve.across.as_str(), stem(&curve.name));
-        match plots.iter_mut().find(|p| p.0 == key) {
-            Some(found) => found.1.push(curve),
-            None => plots.push((key, vec![curve])),
+    let mut plots: Vec<((&str, &str, &str), Vec<&Curve>)> = Vec::new();
+    let mut single: Vec<(&str, Vec<&Curve>)> = Vec::new();
+    for &curve in curves.iter().filter(|c| !c.points.is_empty()) {
+        let name = Name::of(curve);
+        if curve.points.len() == 1 {
+            add(&mut single, name.stem, curve);
+        } else {
+            add(&mut plots, (curve.across.as_str(), name.stem, name.group), curve);
         }
     }
-    html! { @for ((across, name), curves) in &plots { (curve_plot(curves, across, name)) } }
+    html! {
+        @for ((across, stem, group), curves) in &plots { (curve_plot(curves, across, stem, group)) }
+        @for (stem, curves) in &single { (point_forest(curves, stem)) }
+    }
 }
 
-fn stem(name: &str) -> &str {
-    name.split_once(',').map_or(name, |parts| parts.0).trim()
+fn add<'c, K: PartialEq>(groups: &mut Vec<(K, Vec<&'c Curve>)>, key: K, curve: &'c Curve) {
+    match groups.iter_mut().find(|g| g.0 == key) {
+        Some(found) => found.1.push(curve),
+        None => groups.push((key, vec![curve])),
+    }
 }
 
-fn curve_plot(curves: &[&Curve], across: &str, name: &str) -> Markup {
+/// The parts of a curve's name.
+#[derive(Debug, PartialEq, Eq)]
+struct Name<'c> {
+    stem: &'c str,
+    line: &'c str,
+    group: &'c str,
+}
+
+impl<'c> Name<'c> {
+    fn of(curve: &'c Curve) -> Self {
+        Self::parse(&curve.name)
+    }
+
+    fn parse(name: &'c str) -> Self {
+        let (stem, rest) = name.split_once(", ").unwrap_or((name, ""));
+        let (line, group) = rest.rsplit_once(", ").unwrap_or((rest, ""));
+        Self { stem, line, group }
+    }
+}
+
+fn curve_plot(curves: &[&Curve], across: &str, stem: &str, group: &str) -> Markup {
     let drawn: Vec<Line> = mean_curves(curves).into_iter().enumerate().map(plain_line).collect();
     let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
-    let says = format!("Line plot: {name} over {across}");
-    let caption = html! { (name) ", over " (across) "; weighted means over all views." };
-    figure(&caption, &legend, |width| lines(&drawn, Upwards::Values, [across, name], &says, width))
+    let upwards_are = if stem.contains(" / ") { Upwards::Ratios } else { Upwards::Values };
+    let of_group = if group.is_empty() { String::new() } else { format!(", {group}") };
+    let says = format!("Line plot: {stem} over {across}{of_group}");
+    let caption = html! { (words::capital(stem)) (of_group) ", over " (across) "; weighted means over all views." };
+    figure(&caption, &legend, |width| lines(&drawn, upwards_are, [across, stem], &says, width))
 }
 
 fn plain_line((series, (name, points)): (usize, (String, Vec<[f64; 2]>))) -> Line {
     Line { series, name, points: points.iter().map(|p| [p[0], p[1], p[1], p[1]]).collect() }
 }
 
+/// Single points are one figure a view: their geometric means over scenes.
+fn point_forest(curves: &[&Curve], stem: &str) -> Markup {
+    let mut entries = Vec::new();
+    let mut groups: Vec<(&str, Vec<&Curve>)> = Vec::new();
+    for &curve in curves {
+        add(&mut groups, Name::of(curve).group, curve);
+    }
+    for (group, curves) in &groups {
+        if !group.is_empty() {
+            entries.push(Entry::Head((*group).to_owned()));
+        }
+        let mut lines: Vec<(&str, Vec<&Curve>)> = Vec::new();
+        for &curve in curves {
+            add(&mut lines, Name::of(curve).line, curve);
+        }
+        for (series, (label, curves)) in lines.iter().enumerate() {
+            let ratios = curves.iter().map(|c| (c.scene.as_str(), c.points[0][1]));
+            entries.extend(Effect::of_ratios(ratios).map(|effect| Entry::Mean {
+                label: (*label).to_owned(),
+                series,
+                effect,
+            }));
+        }
+    }
+    let caption = html! { (words::capital(stem)) "; means over scenes with 95\u{a0}% intervals." };
+    forest_figure(&entries, stem, &caption)
+}
+
 /// Curves of one name and spec as one: the weighted means at each x.
-pub(super) fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
+fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
     let mut named: Vec<(&str, Spec, Vec<[f64; 3]>)> = Vec::new();
     for curve in curves {
         let points = curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite()) && p[2] > 0.0);
@@ -201,13 +253,10 @@ pub(super) fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
     }
     let one_spec = named.iter().all(|n| n.1 == named[0].1);
     let one_name = named.iter().all(|n| n.0 == named[0].0);
-    let label = |name: &str, spec: &Spec| {
-        let tail = name.split_once(',').map_or(name, |parts| parts.1.trim());
-        match (one_name, one_spec) {
-            (true, _) => spec.to_string(),
-            (_, true) => tail.to_owned(),
-            _ => format!("{tail}, {spec}"),
-        }
+    let label = |name: &str, spec: &Spec| match (one_name, one_spec) {
+        (true, _) => spec.to_string(),
+        (_, true) => Name::parse(name).line.to_owned(),
+        _ => format!("{}, {spec}", Name::parse(name).line),
     };
     named.iter().map(|(name, spec, points)| (label(name, spec), weighted_means(points.clone()))).collect()
 }
@@ -226,11 +275,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_that_differ_in_a_number_are_a_family() {
-        let names =
-            ["previous:4", "1000 training rays", "weight of the rays 0.25", "view:inside", "areas worth 16 rays"];
-        let expected = ["previous", "training rays", "weight of the rays", "view inside", "areas worth rays"];
-        assert_eq!(names.map(family), expected);
+    fn names_have_parts() {
+        let name = Name::parse("p estimated / p measured, by areas, tree of sah");
+        assert_eq!(name, Name { stem: "p estimated / p measured", line: "by areas", group: "tree of sah" });
+        assert_eq!(Name::parse("bytes"), Name { stem: "bytes", line: "", group: "" });
     }
 
     #[test]
