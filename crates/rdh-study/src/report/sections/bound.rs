@@ -7,7 +7,8 @@ use super::super::svg::Entry;
 use super::super::table::{ratio, table};
 use super::super::view::Study;
 use super::super::words;
-use super::common::{curve_plots, forest_figure};
+use super::common::forest_figure;
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 
@@ -53,9 +54,12 @@ struct Series {
     effects: [Option<Effect>; 3],
 }
 
+/// Of each of [`QUANTITIES`]: scenes, and ratios in them.
+type Ratios<'c> = [Vec<(&'c str, f64)>; 3];
+
 /// Curves of single points, named `quantity: group, tree`.
 fn all_series(curves: &[&Curve]) -> Vec<Series> {
-    let mut named: Vec<(String, String, [Vec<(&str, f64)>; 3])> = Vec::new();
+    let mut named: Vec<(String, String, Ratios<'_>)> = Vec::new();
     for curve in curves {
         let [point] = curve.points[..] else { continue };
         let Some((quantity, name)) = curve.name.split_once(": ") else { continue };
@@ -67,7 +71,7 @@ fn all_series(curves: &[&Curve]) -> Vec<Series> {
         });
         named[at].2[index].push((&curve.scene, point[1]));
     }
-    let series = |(group, tree, ratios): (String, String, [Vec<(&str, f64)>; 3])| Series {
+    let series = |(group, tree, ratios): (String, String, Ratios<'_>)| Series {
         group,
         tree,
         effects: ratios.map(Effect::of_ratios),

@@ -8,7 +8,8 @@ use super::super::svg::{Dot, scatter};
 use super::super::table::{Key, effects, group};
 use super::super::view::Study;
 use super::super::words::{self, digits, percent};
-use super::common::{COSTS, curve_plots, effect, families, forest_of, lines_over_x, points};
+use super::common::{COSTS, effect, families, forest_of, lines_over_x, points};
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 
