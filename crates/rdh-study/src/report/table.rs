@@ -228,3 +228,17 @@ fn rank(group: &Group<'_, '_>, keys: &[Key], families: &[String]) -> Rank {
         has(Key::Setting).then(place),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_of_one_cell_is_a_heading_over_the_others() {
+        let cell = |words: &str| html! { (words) };
+        let html = table("t", &["a", ">b"], &[vec![cell("head")], vec![cell("x"), cell("1")]]).into_string();
+        assert!(html.contains(r#"<th class="over" scope="rowgroup" colspan="2">head</th>"#), "{html}");
+        assert!(html.contains(r#"<td>x</td><td class="n">1</td>"#), "{html}");
+        assert!(html.contains(r#"<th scope="col">a</th><th scope="col" class="n">b</th>"#), "{html}");
+    }
+}
