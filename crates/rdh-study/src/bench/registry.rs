@@ -88,10 +88,7 @@ pub fn known_engines() -> Vec<Registration> {
         },
         slow("parry3d", "rdh-engine-parry3d", &["default"], 120),
         slow("bvh", "rdh-engine-bvh", &["default"], 270),
-        Registration {
-            most_triangles: 2_500_000,
-            ..slow("kdtree-ray", "rdh-engine-kdtree-ray", &["default"], 700)
-        },
+        Registration { most_triangles: 2_500_000, ..slow("kdtree-ray", "rdh-engine-kdtree-ray", &["default"], 700) },
     ]
 }
 
