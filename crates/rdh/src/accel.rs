@@ -149,6 +149,14 @@ impl Accel {
         each!(&self.structure, tree => tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len())));
     }
 
+    /// The kd-tree, if it is one: for those who study its nodes.
+    pub fn kd_tree(&self) -> Option<&KdTree> {
+        match &self.structure {
+            Structure::Kd(tree) => Some(tree),
+            _ => None,
+        }
+    }
+
     /// All faults of the structure over its mesh; none if it is well-formed.
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
         each!(&self.structure, tree => tree.check(mesh))

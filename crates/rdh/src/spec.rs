@@ -127,11 +127,12 @@ fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
             "stop" => {
                 kd.stop = choice(key, value, &[("cost", Stop::Cost), ("auto", Stop::Auto), ("paper", Stop::Paper)])?
             }
+            "idle" => kd.idle = number(key, value, 0.0, 1e9)?,
             _ => {
                 return Err(unknown(
                     "kd",
                     key,
-                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper",
+                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST",
                 ));
             }
         }
@@ -156,6 +157,7 @@ fn kd_parameters(kd: &KdSpec) -> Vec<String> {
         Stop::Cost => push(true, "stop=cost"),
         Stop::Paper => push(true, "stop=paper"),
     };
+    push(kd.idle != default.idle, &format!("idle={}", kd.idle));
     out
 }
 
@@ -335,6 +337,8 @@ mod tests {
             ("rdh", "kd+rdh"),
             ("kd(leaf=8,split=binned)+rdh(prior=16)", "kd+rdh"),
             ("kd+rdh(paper)", "kd+rdh(paper)"),
+            ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
+            ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
@@ -356,6 +360,8 @@ mod tests {
             "bvh9+sah",
             "kd(leaf=3)",
             "kd(leaves=8)",
+            "kd(idle=-1)",
+            "kd(idle=NaN)",
             "sah(x=1)",
             "rdh(prior=-1)",
             "kd+kd",

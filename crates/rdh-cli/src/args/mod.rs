@@ -5,7 +5,9 @@ mod compare;
 mod rays;
 mod record;
 mod render;
+mod report;
 mod scenes;
+mod study;
 mod values;
 
 use std::path::PathBuf;
@@ -17,7 +19,9 @@ pub(crate) use compare::CompareArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
 pub(crate) use render::{Heat, RenderArgs};
+pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
+pub(crate) use study::{MergeArgs, StudyArgs};
 pub(crate) use values::{Place, Size, Slice};
 
 /// rdh: profile-guided ray tracing.
@@ -40,6 +44,10 @@ const EXIT_CODES: &str = "Exit codes: 0 fine, 1 failed, 2 usage, 3 a verificatio
 pub(crate) enum Command {
     /// Build with several specs, cast the same rays, and print what they cost
     Compare(CompareArgs),
+    /// Answer the study's questions over many scenes; can be killed, resumed and shared out
+    Study(StudyArgs),
+    /// Join the parts of a study, check them, and print its summary
+    Merge(MergeArgs),
     /// List scenes and their views, or say what is in mesh files
     Scenes(ScenesArgs),
     /// Record the rays of a mode as a profile
@@ -48,6 +56,8 @@ pub(crate) enum Command {
     Rays(RaysArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
+    /// Make one self-contained page of a study
+    Report(ReportArgs),
     /// Race our structures against other libraries'
     Bench(BenchArgs),
 }

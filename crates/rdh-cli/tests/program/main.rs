@@ -5,4 +5,5 @@ mod rays;
 mod render;
 mod run;
 mod scenes;
+mod study;
 mod usage;

@@ -20,6 +20,7 @@ pub const SPECS: &[&str] = &[
     "kd(split=exact)+rdh(prior=0)",
     "kd(leaf=1)+rdh(rays=whole,cap=100)",
     "kd(prune=visits)+rdh(prior=2)",
+    "kd(idle=0.001)+rdh",
     "bvh2+sah",
     "bvh4+sah",
     "bvh8+sah",

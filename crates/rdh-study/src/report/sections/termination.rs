@@ -1,0 +1,71 @@
+//! When to stop: the same rules for both, pruning, and leaving alone what no ray reaches.
+
+use maud::{Markup, html};
+
+use super::super::pairs::{Metric, Pair};
+use super::super::table::{Key, effects, group};
+use super::super::view::Study;
+use super::super::words;
+use super::common::{best_of_settings, effect, forest_of};
+use super::{Chapter, Section};
+
+pub(super) const CHAPTER: Chapter = Chapter {
+    id: "termination",
+    title: "When to stop",
+    question: "The paper says that large occluded scenes save construction time and memory where no rays are traced. How much, and what do unseen rays pay?",
+    write,
+};
+
+const METRICS: [Metric; 7] =
+    [Metric::Steps, Metric::Tests, Metric::Time, Metric::Build, Metric::Bytes, Metric::References, Metric::Worst];
+
+fn write(study: &Study<'_>) -> Option<Section> {
+    let pairs = study.totals("termination");
+    let all = study.pairs("termination");
+    if pairs.is_empty() {
+        return None;
+    }
+    let findings = [idle(&pairs), rules(&pairs)].into_iter().flatten().collect();
+    let caption = |what: &str| html! { (what) " by rule of termination, relative to the base." };
+    // The 99.9th percentile is one of rays of a class; a sum over classes has none.
+    let worst: Vec<&Pair<'_>> =
+        all.into_iter().filter(|p| p.class.is_some() && p.ratio(Metric::Worst).is_some()).collect();
+    let body = html! {
+        (forest_of(study, &pairs, [Key::Setting, Key::Spec], Metric::Bytes, &caption("Memory")))
+        (forest_of(study, &pairs, [Key::Setting, Key::Spec], Metric::Build, &caption("Build time")))
+        (effects("By rule of termination", &pairs, &[Key::Setting, Key::Spec, Key::Base], &METRICS))
+        @if !worst.is_empty() {
+            (effects("What the dearest rays pay: the 99.9th percentile of steps + tests", &worst, &[Key::Setting, Key::Class, Key::Spec], &[Metric::Worst]))
+        }
+    };
+    Some(Section { findings, body })
+}
+
+/// Leaving nodes alone where rays spend little: what is saved, and what unseen rays pay.
+fn idle(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p)).collect();
+    let best = group(&idle, &[Key::Spec]).into_iter().min_by(|a, b| bytes(&a.pairs).total_cmp(&bytes(&b.pairs)))?;
+    let learnt: Vec<&Pair<'_>> = best.pairs.iter().copied().filter(|p| p.setting.contains("learnt")).collect();
+    let saved = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time]
+        .into_iter()
+        .filter_map(|m| Some(words::said(&effect(&learnt, m)?, m)));
+    Some(html! {
+        "Where rays spend little, " code { (best.labels[0]) } " leaves nodes as they are: " (words::list(&saved.collect::<Vec<_>>())) " against " code { (best.pairs[0].base) }
+        ", over " (words::count(learnt.len(), "view"))
+    })
+}
+
+fn is_idle(pair: &Pair<'_>) -> bool {
+    pair.spec.needs_rays() && pair.spec.to_string().contains("idle=")
+}
+
+fn bytes(pairs: &[&Pair<'_>]) -> f64 {
+    effect(pairs, Metric::Bytes).map_or(f64::INFINITY, |e| e.mean)
+}
+
+/// The rules, the same for both heuristics.
+fn rules(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let rules: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !p.setting.starts_with("idle")).collect();
+    let said = best_of_settings(&rules, Metric::Steps)?;
+    Some(html! { "With the same rule for both heuristics: " (said) })
+}

@@ -1,0 +1,147 @@
+//! The report says what the records say, in one file that needs nothing else.
+
+#[path = "report_parts/records.rs"]
+mod records;
+
+use rdh::RayClass;
+use rdh_study::Mode;
+use rdh_study::report::{About, Panel, Picture, Scale, html};
+use rdh_study::study::Record;
+use records::{SCENES, job, record, row, simple, study};
+
+fn about() -> About {
+    About {
+        date: "2026-01-02".into(),
+        version: "0.0.0".into(),
+        machine: "a machine".into(),
+        commands: vec!["rdh study --out a".into()],
+        ..About::default()
+    }
+}
+
+/// What eyes read: the page without tags and style, spaces of all kinds joined.
+fn words(page: &str) -> String {
+    let body = page.split_once("</style>").expect("a style sheet").1;
+    let mut text = String::new();
+    let mut inside = false;
+    for c in body.chars() {
+        match c {
+            '<' => inside = true,
+            '>' => {
+                inside = false;
+                text.push(' ');
+            }
+            c if !inside => text.push(c),
+            _ => {}
+        }
+    }
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    [",", ".", ";", ":"].iter().fold(text, |t, mark| t.replace(&format!(" {mark}"), mark))
+}
+
+fn of_ratio(ratio: f64) -> Vec<Record> {
+    let specs = [("kd+sah", 1.0), ("kd+rdh", ratio)];
+    SCENES.iter().map(|s| simple(job("modes", s, "front", Mode::Primary), &specs)).collect()
+}
+
+#[test]
+fn sentences_follow_the_data() {
+    let said = |ratio| words(&html(&of_ratio(ratio), &about()));
+    assert!(said(0.8).contains("Primary rays, kd+rdh against kd+sah: 20 % fewer steps (0.80, 0.80–0.80)"));
+    assert!(said(0.8).contains("surely faster in 12 of them, surely slower in 0"));
+    assert!(said(0.8).contains("None of 12 pairs is surely slower"));
+    assert!(said(1.25).contains("Primary rays, kd+rdh against kd+sah: 25 % more steps"));
+    assert!(said(1.25).contains("12 of 12 pairs are surely slower"));
+    assert!(said(1.0).contains("kd+rdh against kd+sah: the same steps to within 1 %"));
+}
+
+#[test]
+fn every_experiment_has_its_section_and_what_is_missing_is_said() {
+    let page = html(&study(), &about());
+    for id in [
+        "paper",
+        "rays",
+        "kinds",
+        "occlusion",
+        "assumptions",
+        "how-many",
+        "which-rays",
+        "blend",
+        "termination",
+        "controls",
+        "bound",
+        "costs",
+        "aa",
+        "losses",
+        "scenes",
+        "methods",
+    ] {
+        assert!(page.contains(&format!("<section id=\"{id}\">")), "{id}");
+    }
+    let few = words(&html(&of_ratio(0.9), &about()));
+    assert!(
+        few.contains(
+            "Not in these data, so left out: The paper’s rows, and ours, What it looks like, Gain against occlusion"
+        ),
+        "{few}"
+    );
+    assert!(words(&html(&[], &about())).contains("0 scenes · 0 views"));
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere_and_is_small() {
+    let page = html(&study(), &about());
+    for foreign in ["<script", "http:", "https:", "url(", "@import", "src=\"/", "onload"] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+    for nonsense in ["NaN", "inf<", ">inf", "Some("] {
+        assert!(!page.contains(nonsense), "{nonsense}");
+    }
+    assert!(page.len() < 2 << 20, "{} bytes", page.len());
+    std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), page).unwrap();
+}
+
+#[test]
+fn every_plot_and_picture_says_what_it_shows() {
+    let panel = Panel {
+        title: "kd+sah".into(),
+        says: "steps by areas".into(),
+        png: vec![1, 2, 3],
+        size: [4, 5],
+        scale: Some(Scale { label: "steps".into(), ends: [0.0, 9.0], colours: vec![[0, 0, 0], [255, 255, 255]] }),
+        ..Panel::default()
+    };
+    let picture = Picture { place: "balls4:front".into(), why: "the largest gain".into(), rows: vec![vec![panel]] };
+    let page = html(&study(), &About { pictures: vec![picture], ..about() });
+    assert_eq!(page.matches("<svg class=\"plot\"").count(), page.matches("role=\"img\" aria-label=").count());
+    assert!(page.contains("src=\"data:image/png;base64,AQID\" width=\"4\" height=\"5\" alt=\"steps by areas\""));
+}
+
+#[test]
+fn the_same_records_give_the_same_page() {
+    assert_eq!(html(&study(), &about()), html(&study(), &about()));
+}
+
+#[test]
+fn losses_are_listed_by_name() {
+    let mut records = of_ratio(0.9);
+    records.push(simple(job("modes", "rings7", "behind", Mode::Primary), &[("kd+sah", 1.0), ("kd+rdh", 1.2)]));
+    let said = words(&html(&records, &about()));
+    assert!(said.contains("1 of 13 pairs are surely slower"), "{said}");
+    assert!(said.contains("rings7:behind interior primary kd+rdh 1.20"), "{said}");
+}
+
+#[test]
+fn text_from_outside_is_escaped() {
+    let hostile =
+        simple(job("modes", "<script>alert(1)</script>", "\"v&", Mode::Primary), &[("kd+sah", 1.0), ("kd+rdh", 0.9)]);
+    let page = html(&[hostile], &About { machine: "<b>".into(), ..about() });
+    assert!(!page.contains("<script") && page.contains("&lt;script&gt;") && page.contains("&lt;b&gt;"));
+}
+
+#[test]
+fn a_structure_twice_is_a_run_against_itself() {
+    let at = job("aa", "balls4", "front", Mode::Primary);
+    let rows = vec![row(&at, RayClass::Primary, "kd+sah", 1.0), row(&at, RayClass::Primary, "kd+sah", 1.0)];
+    assert!(words(&html(&[record(at, rows)], &about())).contains("No difference, as it must be"));
+}
