@@ -1,6 +1,7 @@
 //! The study's questions, one file each.
 
 mod again;
+mod assumptions;
 mod blend;
 mod bound;
 mod controls;
@@ -39,6 +40,7 @@ pub trait Experiment: Sync {
 pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &paper::Paper,
     &modes::Modes,
+    &assumptions::Assumptions,
     &how_many::HowMany,
     &blend::Blend,
     &occlusion::Occlusion,
