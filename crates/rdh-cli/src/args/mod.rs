@@ -5,6 +5,7 @@ mod compare;
 mod rays;
 mod record;
 mod render;
+mod report;
 mod scenes;
 mod study;
 mod values;
@@ -18,6 +19,7 @@ pub(crate) use compare::CompareArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
 pub(crate) use render::{Heat, RenderArgs};
+pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
 pub(crate) use study::{MergeArgs, StudyArgs};
 pub(crate) use values::{Place, Size, Slice};
@@ -54,6 +56,8 @@ pub(crate) enum Command {
     Rays(RaysArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
+    /// Make one self-contained page of a study
+    Report(ReportArgs),
     /// Race our structures against other libraries'
     Bench(BenchArgs),
 }

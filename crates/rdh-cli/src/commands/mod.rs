@@ -6,5 +6,6 @@ pub(crate) mod merge;
 pub(crate) mod rays;
 pub(crate) mod record;
 pub(crate) mod render;
+pub(crate) mod report;
 pub(crate) mod scenes;
 pub(crate) mod study;

@@ -13,6 +13,8 @@ pub struct About {
     pub commands: Vec<String>,
     /// The study's settings, as names and values in words.
     pub settings: Vec<(String, String)>,
+    /// Jobs of the study that have no record yet.
+    pub missing: usize,
     /// Views as pictures.
     pub pictures: Vec<Picture>,
 }
@@ -24,8 +26,8 @@ pub struct Picture {
     pub place: String,
     /// Why it is shown, in words.
     pub why: String,
-    /// What is shown.
-    pub panels: Vec<Panel>,
+    /// What is shown, row by row.
+    pub rows: Vec<Vec<Panel>>,
 }
 
 /// One picture.

@@ -85,6 +85,9 @@ fn faults(study: &Study<'_>) -> Markup {
         ]
     };
     html! {
+        @if study.about.missing > 0 {
+            div.fault role="alert" { strong { "The study is not complete: " (words::count(study.about.missing, "job")) " of it are missing." } }
+        }
         @if !mismatches.is_empty() {
             div.fault role="alert" {
                 strong { "Structures disagree in " (words::count(mismatches.len(), "case")) ": none of their times count." }

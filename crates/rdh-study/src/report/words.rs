@@ -18,12 +18,12 @@ pub(super) fn change(effect: &Effect, metric: Metric) -> String {
     match effect.verdict() {
         Verdict::Same => format!("the same {what} to within 1\u{a0}%"),
         Verdict::Open if effect.n > 1 => format!("no clear difference in {what}"),
-        _ => difference(effect.mean, metric),
+        _ => change_of(effect.mean, metric),
     }
 }
 
 /// `22 % fewer steps`, whether that is sure or not.
-pub(super) fn difference(ratio: f64, metric: Metric) -> String {
+pub(super) fn change_of(ratio: f64, metric: Metric) -> String {
     let (what, counted) = (noun(metric), matches!(metric, Metric::Steps | Metric::Tests | Metric::References));
     let less = if counted { "fewer" } else { "less" };
     match ratio {
@@ -38,7 +38,7 @@ pub(super) fn figures(effect: &Effect) -> String {
     let [low, high] = effect.interval.map(digits);
     match effect.n {
         1 => format!("{}, one view", digits(effect.mean)),
-        _ => format!("{}, {low}–{high}", digits(effect.mean)),
+        _ => format!("{}, {low}–\u{2060}{high}", digits(effect.mean)),
     }
 }
 

@@ -32,12 +32,12 @@ fn write(study: &Study<'_>) -> Option<Section> {
 
 fn row(picture: &Picture) -> Markup {
     html! {
-        figure.pictures {
-            h3 { code { (picture.place) } }
-            p.note { (picture.why) }
-            div.panels { @for panel in &picture.panels { (draw(panel)) } }
+            figure.pictures {
+                h3 { code { (picture.place) } }
+                p.note { (picture.why) }
+    @for row in &picture.rows { div.panels { @for panel in row { (draw(panel)) } } }
+            }
         }
-    }
 }
 
 fn draw(panel: &Panel) -> Markup {

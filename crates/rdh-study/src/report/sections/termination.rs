@@ -6,7 +6,7 @@ use super::super::pairs::{Metric, Pair};
 use super::super::table::{Key, effects, group};
 use super::super::view::Study;
 use super::super::words;
-use super::common::{effect, forest_of};
+use super::common::{best_of_settings, effect, forest_of};
 use super::{Chapter, Section};
 
 pub(super) const CHAPTER: Chapter = Chapter {
@@ -25,8 +25,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings =
-        group(&pairs, &[Key::Setting, Key::Spec]).iter().filter_map(|g| finding(&g.labels, &g.pairs)).collect();
+    let findings = [idle(&pairs), rules(&pairs)].into_iter().flatten().collect();
     let caption = |what: &str| html! { (what) " by rule of termination, relative to the base." };
     // The 99.9th percentile is one of rays of a class; a sum over classes has none.
     let worst: Vec<&Pair<'_>> =
@@ -42,12 +41,31 @@ fn write(study: &Study<'_>) -> Option<Section> {
     Some(Section { findings, body })
 }
 
-fn finding(labels: &[String], pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let said = [Metric::Steps, Metric::Bytes, Metric::Build]
+/// Leaving nodes alone where rays spend little: what is saved, and what unseen rays pay.
+fn idle(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p)).collect();
+    let best = group(&idle, &[Key::Spec]).into_iter().min_by(|a, b| bytes(&a.pairs).total_cmp(&bytes(&b.pairs)))?;
+    let learnt: Vec<&Pair<'_>> = best.pairs.iter().copied().filter(|p| p.setting.contains("learnt")).collect();
+    let saved = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time]
         .into_iter()
-        .filter_map(|m| Some(words::change(&effect(pairs, m)?, m)));
-    let said: Vec<String> = said.collect();
-    let place = if labels[0].is_empty() { String::new() } else { format!("{}, ", labels[0]) };
-    (!said.is_empty())
-        .then(|| html! { (place) code { (labels[1]) } " against " code { (pairs[0].base) } ": " (words::list(&said)) })
+        .filter_map(|m| Some(words::said(&effect(&learnt, m)?, m)));
+    Some(html! {
+        "Where rays spend little, " code { (best.labels[0]) } " leaves nodes as they are: " (words::list(&saved.collect::<Vec<_>>())) " against " code { (best.pairs[0].base) }
+        ", over " (words::count(learnt.len(), "view"))
+    })
+}
+
+fn is_idle(pair: &Pair<'_>) -> bool {
+    pair.spec.needs_rays() && pair.spec.to_string().contains("idle=")
+}
+
+fn bytes(pairs: &[&Pair<'_>]) -> f64 {
+    effect(pairs, Metric::Bytes).map_or(f64::INFINITY, |e| e.mean)
+}
+
+/// The rules, the same for both heuristics.
+fn rules(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let rules: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !p.setting.starts_with("idle")).collect();
+    let said = best_of_settings(&rules, Metric::Steps)?;
+    Some(html! { "With the same rule for both heuristics: " (said) })
 }
