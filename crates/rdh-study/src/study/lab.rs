@@ -113,6 +113,11 @@ impl<'a> Lab<'a> {
         found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
     }
 
+    /// All views.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
     /// Another view than the named one: the last that the scene has.
     pub fn another_view(&self, name: &str) -> Option<View> {
         self.views.iter().rfind(|v| v.name != name).cloned()

@@ -7,6 +7,8 @@
 //!  plan, shard  what a study is made of, and which part of it is whose
 //!  experiment   the questions, one file each: which jobs, and how one is done
 //!  bound        optimal trees, and searches for better ones
+//!  source       where training rays come from
+//!  overlap      how much of where new rays go is known
 //!  skeleton     a kd-tree taken apart
 //!  lines        uniform lines
 //!  lab          a scene made ready, its rays, its structures, the instruments
@@ -20,12 +22,14 @@ pub mod lab;
 pub mod lines;
 pub mod log;
 pub mod merge;
+pub mod overlap;
 pub mod plan;
 pub mod record;
 pub mod runner;
 pub mod scope;
 pub mod shard;
 pub mod skeleton;
+pub mod source;
 
 pub use experiment::{EXPERIMENTS, Experiment};
 pub use lab::{Entrant, Lab, Setting};

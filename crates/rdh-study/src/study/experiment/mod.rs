@@ -11,6 +11,7 @@ mod occlusion;
 mod paper;
 pub mod spd;
 mod termination;
+mod which_rays;
 
 use rdh::Spec;
 
@@ -41,6 +42,7 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &paper::Paper,
     &modes::Modes,
     &assumptions::Assumptions,
+    &which_rays::WhichRays,
     &how_many::HowMany,
     &blend::Blend,
     &occlusion::Occlusion,
