@@ -8,7 +8,7 @@
 //!  experiment   the questions, one file each: which jobs, and how one is done
 //!  bound        optimal trees, and searches for better ones
 //!  source       where training rays come from
-//!  overlap      how much of where new rays go is known
+//!  coverage     how much of where new rays go is known
 //!  skeleton     a kd-tree taken apart
 //!  lines        uniform lines
 //!  lab          a scene made ready, its rays, its structures, the instruments
@@ -17,12 +17,12 @@
 //! ```
 
 pub mod bound;
+pub mod coverage;
 pub mod experiment;
 pub mod lab;
 pub mod lines;
 pub mod log;
 pub mod merge;
-pub mod overlap;
 pub mod plan;
 pub mod record;
 pub mod runner;

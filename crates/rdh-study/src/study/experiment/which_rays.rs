@@ -1,6 +1,6 @@
 //! Where the profile comes from, and when to do without.
 
-use rdh::{Spec, Training};
+use rdh::{Accel, Counts, Query, Spec, Training};
 use rdh_scene::{Entry, View};
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
@@ -8,8 +8,8 @@ use crate::integrate::Mode;
 use crate::rows::Curve;
 use crate::run::{Built, Lesson};
 use crate::study::bound::Segment;
+use crate::study::coverage::coverage;
 use crate::study::lab::{Entrant, Setting};
-use crate::study::overlap::overlap;
 use crate::study::scope::Sample;
 use crate::study::source::{Source, path_view};
 
@@ -22,10 +22,15 @@ const MODES: [Mode; 2] = [Mode::Primary, Mode::Path];
 const PART: u32 = 64;
 /// Frames between the rays and the frame that is built for.
 const DISTANCES: [u32; 7] = [0, 1, 2, 4, 8, 16, 32];
-/// Below this overlap the rule does without the rays.
-const LEAST_OVERLAP: f64 = 0.5;
-/// Rays of either set that the rule looks at.
+/// Below this coverage the first rule does without the rays.
+const LEAST_COVERAGE: f64 = 0.8;
+/// Rays of either set that the rules look at.
 const LOOKED_AT: usize = 1024;
+
+/// The curves' names.
+const RATIO: &str = "steps + tests, rdh / sah";
+const BY_COVERAGE: &str = "rule: sah where less than 0.8 of the way is known; 1 if the cheaper tree was chosen";
+const BY_TRIAL: &str = "rule: the tree in which 1,024 of the new rays cost less; 1 if the cheaper tree was chosen";
 
 impl Experiment for WhichRays {
     fn name(&self) -> &'static str {
@@ -69,7 +74,7 @@ impl Experiment for WhichRays {
         let built: Option<Vec<Built>> = lab.build(&wanted, found).into_iter().collect();
         let built = built.ok_or("not all of its trees could be built")?;
         lab.measure(&entrants(&built, &lessons), &lab.rays(&view, mode), found);
-        judge(lab, &view, &lessons, found);
+        judge(lab, &view, &built, &lessons, found);
         Ok(())
     }
 }
@@ -110,35 +115,48 @@ fn entrants<'b>(built: &'b [Built], lessons: &[(Setting, Lesson)]) -> Vec<Entran
     base.into_iter().chain(others).collect()
 }
 
-/// Would the rule have chosen well? It knows a few of the new rays, and neither tree.
-fn judge(lab: &Lab<'_>, view: &View, lessons: &[(Setting, Lesson)], found: &mut Record) {
-    let mode = found.job.mode;
-    let new = Segment::all(&lab.sample(view, mode, LOOKED_AT));
-    let (mut gains, mut verdicts) = (Vec::new(), Vec::new());
-    for (setting, lesson) in lessons {
+/// Would the rules have chosen well? Both know a few of the new rays; the first knows neither tree, the second casts the
+/// rays through both.
+fn judge(lab: &Lab<'_>, view: &View, built: &[Built], lessons: &[(Setting, Lesson)], found: &mut Record) {
+    let new = lab.sample(view, found.job.mode, LOOKED_AT);
+    let new_way = Segment::all(&new);
+    let [mut ratios, mut by_coverage, mut by_trial] = [Vec::new(), Vec::new(), Vec::new()];
+    for ((setting, lesson), built_from) in lessons.iter().zip(built.iter().skip(1)) {
         let samples = lesson.training.samples();
         let few = Training::from_samples(samples[..samples.len().min(LOOKED_AT)].to_vec());
-        let overlap = overlap(&lab.stage.bounds(), &Segment::all(&few), &new);
+        let known = coverage(&lab.stage.bounds(), &Segment::all(&few), &new_way);
         let Some(ratio) = cost_ratio(found, setting) else { continue };
-        gains.push([overlap, ratio, 1.0]);
-        let right = (overlap >= LEAST_OVERLAP) == (ratio < 1.0);
-        verdicts.push([overlap, f64::from(u8::from(right)), 1.0]);
+        let is_right = |chosen: bool| f64::from(u8::from(chosen == (ratio < 1.0)));
+        ratios.push([known, ratio, 1.0]);
+        by_coverage.push([known, is_right(known >= LEAST_COVERAGE), 1.0]);
+        by_trial.push([known, is_right(trial(&built_from.accel, &new) < trial(&built[0].accel, &new)), 1.0]);
     }
-    for (name, points) in [("steps + tests, rdh / sah", gains), (RULE, verdicts)] {
+    for (name, points) in [(RATIO, ratios), (BY_COVERAGE, by_coverage), (BY_TRIAL, by_trial)] {
         found.curves.push(Curve {
             experiment: found.job.experiment.clone(),
             scene: found.job.scene.clone(),
             view: view.name.clone(),
-            mode,
+            mode: found.job.mode,
             name: name.to_owned(),
-            spec: specs(SPEC).ok().and_then(|s| s.first().copied()).unwrap_or_default(),
-            across: "overlap of the rays learnt and the new ones".to_owned(),
+            spec: built.last().map(|b| b.spec).unwrap_or_default(),
+            across: "part of the new rays' way that is known".to_owned(),
             points,
         });
     }
 }
 
-const RULE: &str = "the rule \"SAH below an overlap of 0.5\" chooses the cheaper tree (1) or the dearer one (0)";
+/// Steps and tests of some rays.
+fn trial(accel: &Accel, rays: &Training) -> u64 {
+    let mut counts = Counts::default();
+    for sample in rays.samples() {
+        if sample.query == Query::Occluded {
+            accel.occluded_counted(&sample.ray, &mut counts);
+        } else {
+            let _ = accel.closest_counted(&sample.ray, &mut counts);
+        }
+    }
+    counts.steps() + counts.tests
+}
 
 /// Steps and tests of all classes, against the base's, under a setting.
 fn cost_ratio(found: &Record, setting: &Setting) -> Option<f64> {
