@@ -13,7 +13,7 @@ use crate::run::{json, program, rdh};
 const SMALL: [&str; 11] = [
     "study",
     "sombrero1",
-    "teapot4",
+    "teapot12",
     "--size=24x24",
     "--training=200",
     "--rounds=2",
