@@ -7,7 +7,6 @@
 //!  plan, shard  what a study is made of, and which part of it is whose
 //!  experiment   the questions, one file each: which jobs, and how one is done
 //!  bound        optimal trees, and searches for better ones
-//!  source       where training rays come from
 //!  coverage     how much of where new rays go is known
 //!  skeleton     a kd-tree taken apart
 //!  lines        uniform lines
@@ -29,7 +28,6 @@ pub mod runner;
 pub mod scope;
 pub mod shard;
 pub mod skeleton;
-pub mod source;
 
 pub use experiment::{EXPERIMENTS, Experiment};
 pub use lab::{Entrant, Lab, Setting};

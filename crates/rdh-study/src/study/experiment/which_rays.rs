@@ -5,13 +5,13 @@ use rdh_scene::{Entry, View};
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
+use crate::plan::{Source, path_view};
 use crate::rows::Curve;
 use crate::run::{Built, Lesson};
 use crate::study::bound::Segment;
 use crate::study::coverage::coverage;
 use crate::study::lab::{Entrant, Setting};
 use crate::study::scope::Sample;
-use crate::study::source::{Source, path_view};
 
 pub(super) struct WhichRays;
 
@@ -59,14 +59,15 @@ impl Experiment for WhichRays {
 
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
         let mode = found.job.mode;
-        let on_path = path_view(lab, &found.job.view, 0)?;
+        let on_path = path_view(lab.entry, &found.job.view, 0)?;
         let view = on_path.clone().map_or_else(|| lab.view(&found.job.view), Ok)?;
         let sources = match (on_path.is_some(), lab.frame) {
             (true, _) => along("camera path", &DISTANCES),
             (false, 0) => at_rest(lab, &view),
             (false, last) => along("animation", &[1, 2, 4, last]),
         };
-        let lessons = sources.into_iter().map(|(setting, source)| Ok((setting, source.lesson(lab, &view, mode)?)));
+        let lessons =
+            sources.into_iter().map(|(setting, source)| Ok((setting, lab.site().lesson(&source, &view, mode)?)));
         let lessons: Vec<(Setting, Lesson)> = lessons.collect::<Result<_, String>>()?;
         let (base, spec, none) = (specs(BASE)?, specs(SPEC)?, Lesson::none());
         let mut wanted: Vec<(Spec, &Lesson)> = base.iter().map(|&spec| (spec, &none)).collect();
