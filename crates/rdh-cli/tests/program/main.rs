@@ -1,5 +1,6 @@
 //! The program from outside: what it prints, writes, and how it ends.
 
+mod bench;
 mod compare;
 mod rays;
 mod render;

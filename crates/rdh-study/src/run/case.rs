@@ -1,9 +1,10 @@
 //! One case: a view of a scene in a mode, from rays to rows.
 
-use rdh::Spec;
+use rdh::{Accel, Spec};
 use rdh_scene::View;
 
 use super::build::{Built, Lesson};
+use super::site::Site;
 use super::trial::{Trial, in_pool};
 use super::{Event, Prepared, Study};
 use crate::clock::time_thread;
@@ -21,12 +22,18 @@ impl Study<'_, '_> {
         let batches = in_pool(self.pool.as_ref(), || shoot.batches(first));
         let needs_rays: Vec<Spec> = self.plan.specs.iter().filter(|s| s.needs_rays()).copied().collect();
         let test_rays = batches.iter().map(|b| b.rays.len()).sum();
-        let lesson = match needs_rays.is_empty() {
-            true => Lesson::none(),
-            false => {
-                let (training, secs) = time_thread(|| shoot.training(first, test_rays));
-                Lesson { training, secs, view: view.name.clone(), frame: on.frame }
-            }
+        let own = || {
+            let (training, secs) = time_thread(|| shoot.training(first, test_rays));
+            Ok(Lesson { training, secs, view: view.name.clone(), frame: on.frame })
+        };
+        let lesson = match &self.plan.rrs {
+            _ if needs_rays.is_empty() => Ok(Lesson::none()),
+            None => own(),
+            Some(source) => self.site(on, first).lesson(source, view, mode),
+        };
+        let lesson = match lesson {
+            Ok(lesson) => lesson,
+            Err(reason) => return self.fail_case(on, Some(&view.name), None, reason),
         };
         let trained = self.build_all(on, Some(&view.name), &needs_rays, &lesson);
         let trees: Vec<&Built> = self.plan.specs.iter().filter_map(|s| find(&on.shared, &trained, s)).collect();
@@ -41,6 +48,11 @@ impl Study<'_, '_> {
             (self.observer)(&Event::Row(&row));
             self.document.rows.push(row);
         }
+    }
+
+    fn site<'s>(&'s self, on: &'s Prepared<'_>, first: &'s Accel) -> Site<'s> {
+        let Prepared { target, frame, stage, views, .. } = on;
+        Site { entry: &target.entry, frame: *frame, stage, first, views, plan: self.plan, load: self.load }
     }
 
     /// Builds some specs. Those that fail are told and left out.
