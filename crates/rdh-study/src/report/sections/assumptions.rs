@@ -30,7 +30,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
             (forest_of(study, &pairs, [Key::Spec, Key::Setting], Metric::Steps, &caption))
             (effects("By the rays that the tree was built from", &pairs, &[Key::Setting, Key::Spec, Key::Base], &COSTS))
         }
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
     };
     Some(Section { findings, body })
 }
