@@ -66,7 +66,7 @@ fn curve_plot(study: &Study<'_>, curves: &[&Curve], (across, stem, group): Plot<
     let upwards_are = if stem.contains(" / ") { Upwards::Ratios } else { Upwards::Values };
     let of_group = if group.is_empty() { String::new() } else { format!(", {group}") };
     let says = format!("Line plot: {stem} over {across}{of_group}");
-    let caption = html! { (words::capital(stem)) (of_group) ", over " (across) "; weighted means over all views." };
+    let caption = html! { (words::capital(stem)) (of_group) ", over " (across) "; weighted means over all views, as far as more than a few rays go." };
     figure(&caption, &legend, |width| lines(&drawn, upwards_are, [across, stem], &says, width))
 }
 
@@ -123,13 +123,17 @@ fn mean_curves(study: &Study<'_>, curves: &[&Curve]) -> Vec<Line> {
     named.iter().enumerate().map(line).collect()
 }
 
+/// Points of which less than this share of the heaviest one's weight is known are noise.
+const LEAST_WEIGHT: f64 = 0.002;
+
+/// The weighted mean at each x; nothing where hardly anything weighs.
 fn weighted_means(mut points: Vec<[f64; 3]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mean = |same: &[[f64; 3]]| {
-        let weight: f64 = same.iter().map(|p| p[2]).sum();
-        [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight]
-    };
-    points.chunk_by(|a, b| a[0] == b[0]).map(mean).collect()
+    let weight = |same: &[[f64; 3]]| same.iter().map(|p| p[2]).sum::<f64>();
+    let mean = |same: &[[f64; 3]]| [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight(same)];
+    let at_each = || points.chunk_by(|a, b| a[0] == b[0]);
+    let heaviest = at_each().map(weight).fold(0.0, f64::max);
+    at_each().filter(|same| weight(same) >= LEAST_WEIGHT * heaviest).map(mean).collect()
 }
 
 #[cfg(test)]
@@ -145,7 +149,7 @@ mod tests {
 
     #[test]
     fn weights_count_and_equal_places_join() {
-        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [1.0, 4.0, 2.0]]);
+        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [9.0, 7.0, 0.001], [1.0, 4.0, 2.0]]);
         assert_eq!(means, [[1.0, 3.0], [2.0, 5.0]]);
     }
 }

@@ -90,7 +90,7 @@ impl Axis {
     fn powers(&self) -> Vec<Vec<f64>> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         let low = if self.zero { 2.0 * self.low } else { self.low };
-        let inside = |v: &f64| (low..=self.high).contains(v);
+        let inside = |v: &f64| (low..=self.high).contains(v) && (!self.whole || *v >= 1.0);
         let times = |of: &[f64], each: usize| -> Vec<f64> {
             let powers = (first..=last).filter(|e| e.rem_euclid(each as i32) == 0);
             powers.flat_map(|e| of.iter().map(move |m| m * 10f64.powi(e))).filter(inside).collect()
