@@ -7,11 +7,11 @@
 use super::Bvh;
 use super::binary::DEEPEST;
 use super::link::Link;
-use crate::geom::{PlaneFrame, Ray};
+use crate::geom::Ray;
 use crate::leaf::{Collector, Tester};
 use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
-use crate::simd::{BoxRay, Entered, Job, Kernels};
+use crate::simd::{Entered, Job, Kernels};
 
 /// One ray's way through a tree.
 pub(crate) struct Walk<'a, P, C, const W: usize> {
@@ -37,22 +37,17 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
     #[inline(always)]
     fn run<K: Kernels>(self) {
         let Self { tree, ray, probe, collector } = self;
-        if !ray.is_valid() {
-            return;
-        }
-        let frame = PlaneFrame::new(ray, tree.scale, tree.magnitude);
-        let boxes = K::box_ray(&BoxRay::new(&frame));
+        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return };
         let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
-        let mut end = frame.t_max;
         let mut link = Link::node(0);
         let mut t = Entered([0.0; W]);
         loop {
             if !link.is_leaf() {
                 probe.interior();
                 let node = &tree.nodes[link.index()];
-                let met = K::meet(&boxes, node, end, &mut t);
+                let met = K::meet(&boxes, node, &mut t);
                 if met != 0 {
                     let first = met.trailing_zeros() as usize;
                     let rest = met & (met - 1);
@@ -70,7 +65,7 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
             } else {
                 probe.leaf(link.count());
                 match tester.test(&tree.blocks[link.block()], link.lanes(), collector) {
-                    Some(true) => end = frame.scaled_t(tester.t_max()).next_up(),
+                    Some(true) => K::end_at(&mut boxes, tester.t_max()),
                     Some(false) => {}
                     None => return,
                 }
@@ -78,7 +73,7 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
             link = loop {
                 match stack.pop() {
                     None => return,
-                    Some(entry) if !C::ANY && entry.t > end => {}
+                    Some(entry) if !C::ANY && entry.t > K::end(&boxes) => {}
                     Some(entry) => break entry.link,
                 }
             };

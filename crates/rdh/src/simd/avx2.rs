@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::portable::Portable;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
-use crate::geom::{Depths, Ray, RayFrame};
+use crate::geom::{Depths, PlaneFrame, Ray, RayFrame, Scale};
 
 /// Runs a job with AVX2.
 ///
@@ -106,24 +106,38 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> WideRay {
-        WideRay::new(ray)
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<WideRay> {
+        let axes = match usual(ray, scale, magnitude) {
+            Some(axes) => axes,
+            None => unusual(ray, scale, magnitude)?,
+        };
+        Some(WideRay::new(&axes))
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+    fn end(ray: &WideRay) -> f32 {
+        // SAFETY: see above.
+        unsafe { _mm256_cvtss_f32(ray.end) }
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut WideRay, t: f32) {
+        // SAFETY: see above.
+        ray.end = unsafe { _mm256_set1_ps(BoxRay::end_for(t, ray.t_scale)) };
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
         // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
         unsafe {
             if W == 8 {
-                let (near, far) = enter_and_leave(ray, boxes, end);
+                let (near, far) = enter_and_leave(ray, boxes);
                 _mm256_store_ps(t.0.as_mut_ptr(), near);
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
-            } else if W == 4 {
-                let (near, far) = enter_and_leave_four(ray, boxes, end);
-                _mm_store_ps(t.0.as_mut_ptr(), near);
-                _mm_movemask_ps(_mm_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
             } else {
-                Portable::meet(&ray.narrow, boxes, end, t)
+                let (near, far) = enter_and_leave_few(ray, boxes);
+                store_few(t, near);
+                _mm_movemask_ps(_mm_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32 & ((1 << W) - 1)
             }
         }
     }
@@ -184,12 +198,12 @@ impl Kernels for Avx2 {
     }
 }
 
-/// Which axis becomes z, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
-const LONGEST: [u8; 8] = [2, 2, 1, 1, 2, 0, 1, 0];
-/// The frame's axes for each choice of z.
-const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
-/// The same as lanes.
-const ORDER: [[i32; 4]; 3] = [[1, 2, 0, 0], [2, 0, 1, 1], [0, 1, 2, 2]];
+/// The frame's axes, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z. As indices, and as lanes.
+const AXES: [([usize; 3], [i32; 4]); 8] = [Z, Z, Y, Y, Z, X, Y, X];
+/// The axes if the ray moves most along x, y or z.
+const X: ([usize; 3], [i32; 4]) = ([1, 2, 0], [1, 2, 0, 0]);
+const Y: ([usize; 3], [i32; 4]) = ([2, 0, 1], [2, 0, 1, 1]);
+const Z: ([usize; 3], [i32; 4]) = ([0, 1, 2], [0, 1, 2, 2]);
 
 /// [`RayFrame::new`] without a branch: which component is the longest is as good as random.
 #[inline(always)]
@@ -202,8 +216,9 @@ pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
         // x > y, y > z, and x > z in lane 2.
         let (these, those) = (_mm_shuffle_ps::<0b00_00_01_00>(size, size), _mm_shuffle_ps::<0b10_10_10_01>(size, size));
         let longer = _mm_movemask_ps(_mm_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
-        let z = usize::from(LONGEST[longer]);
-        let order = _mm_loadu_si128(ORDER[z].as_ptr().cast());
+        let (k, order) = &AXES[longer];
+        std::hint::assert_unchecked(k[0] < 3 && k[1] < 3 && k[2] < 3);
+        let order = _mm_loadu_si128(order.as_ptr().cast());
         let (o, d) = (_mm_permutevar_ps(origin, order), _mm_permutevar_ps(direction, order));
         let dz = _mm_shuffle_ps::<0b10_10_10_10>(d, d);
         let shear = _mm_div_ps(d, dz);
@@ -211,13 +226,80 @@ pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
         _mm_storeu_ps(from.as_mut_ptr(), o);
         _mm_storeu_ps(by.as_mut_ptr(), shear);
         RayFrame {
-            k: AXES[z],
+            k: *k,
             origin: [from[0], from[1], from[2]],
             shear: [by[0], by[1]],
             direction_z: _mm_cvtss_f32(dz),
             t_min: ray.t_min,
             t_max: ray.t_max,
         }
+    }
+}
+
+/// A [`BoxRay`] whose axes lie in the first three lanes.
+#[derive(Clone, Copy)]
+struct AxesRay {
+    inverse: __m128,
+    enters: __m128,
+    leaves: __m128,
+    t_min: f32,
+    end: f32,
+    t_scale: f64,
+}
+
+/// The largest sizes of a ray's numbers, origin, direction and interval, with which it needs no special care …
+const MOST: [f32; 8] = {
+    let (far, long) = (PlaneFrame::FAR.next_down(), ((2 << PlaneFrame::UNITS) as f32).next_down());
+    [far, far, far, long, long, long, f32::INFINITY, f32::INFINITY]
+};
+/// … and the smallest ones, of which one has to be reached.
+const LEAST: [f32; 8] = {
+    let (never, short) = (f32::NAN, 1.0 / (1 << PlaneFrame::UNITS) as f32);
+    [never, never, never, short, short, short, never, never]
+};
+
+/// [`BoxRay::new`] for nearly all rays: valid, and with nothing to be scaled. What an interval that ends before it begins lacks for
+/// being valid, the boxes see: none is met.
+#[inline(always)]
+fn usual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
+    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first eight are loaded.
+    unsafe {
+        let p = std::ptr::from_ref(ray).cast::<f32>();
+        let sign = _mm256_set1_ps(-0.0);
+        let size = _mm256_andnot_ps(sign, _mm256_loadu_ps(p));
+        // What is not a number compares as false.
+        let small = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(size, _mm256_loadu_ps(MOST.as_ptr())));
+        let moves = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(size, _mm256_loadu_ps(LEAST.as_ptr())));
+        if small != 0xff || moves == 0 || scale.factor() != 1.0 {
+            return None;
+        }
+        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
+        let (sign, from) = (_mm256_castps256_ps128(sign), _mm256_castps256_ps128(size));
+        let (from_y, from_z) = (_mm_shuffle_ps::<0b00_00_10_01>(from, from), _mm_shuffle_ps::<0b00_01_00_10>(from, from));
+        let reach = _mm_max_ps(_mm_max_ps(from, from_y), from_z);
+        let slack = _mm_mul_ps(_mm_add_ps(reach, _mm_set1_ps(magnitude)), _mm_set1_ps(1.0 / (1 << 21) as f32));
+        let along = _mm_max_ps(_mm_andnot_ps(sign, direction), _mm_set1_ps(PlaneFrame::PARALLEL));
+        let inverse = _mm_div_ps(_mm_set1_ps(1.0), _mm_or_ps(along, _mm_and_ps(sign, direction)));
+        let pad = _mm_mul_ps(slack, _mm_andnot_ps(sign, inverse));
+        let start = _mm_mul_ps(_mm_xor_ps(sign, origin), inverse);
+        let (enters, leaves) = (_mm_sub_ps(start, pad), _mm_add_ps(start, pad));
+        Some(AxesRay { inverse, enters, leaves, t_min: ray.t_min, end: ray.t_max, t_scale: 1.0 })
+    }
+}
+
+/// [`BoxRay::new`] for all others.
+#[inline(always)]
+fn unusual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
+    #[cold]
+    #[inline(never)]
+    fn prepare(ray: &Ray, scale: Scale, magnitude: f32) -> Option<BoxRay> {
+        BoxRay::new(ray, scale, magnitude)
+    }
+    let BoxRay { inverse, enters, leaves, t_min, end, t_scale } = prepare(ray, scale, magnitude)?;
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        let axes = |v: [f32; 3]| _mm_setr_ps(v[0], v[1], v[2], 0.0);
+        Some(AxesRay { inverse: axes(inverse), enters: axes(enters), leaves: axes(leaves), t_min, end, t_scale })
     }
 }
 
@@ -228,26 +310,42 @@ pub(crate) struct WideRay {
     enters: [__m256; 3],
     leaves: [__m256; 3],
     t_min: __m256,
+    end: __m256,
+    /// 1 where the ray runs down the axis and meets the upper plane first.
     near: [usize; 3],
-    /// For boxes in pairs, which are too few for vectors.
-    pub(super) narrow: BoxRay,
+    t_scale: f64,
 }
 
 impl WideRay {
     #[inline(always)]
-    pub(super) fn new(ray: &BoxRay) -> Self {
-        let ([ix, iy, iz], [ex, ey, ez], [lx, ly, lz]) = (ray.inverse, ray.enters, ray.leaves);
+    fn new(ray: &AxesRay) -> Self {
         // SAFETY: as in `Avx2`.
         unsafe {
+            let down = _mm_movemask_ps(ray.inverse) as usize;
             Self {
-                inverse: [_mm256_set1_ps(ix), _mm256_set1_ps(iy), _mm256_set1_ps(iz)],
-                enters: [_mm256_set1_ps(ex), _mm256_set1_ps(ey), _mm256_set1_ps(ez)],
-                leaves: [_mm256_set1_ps(lx), _mm256_set1_ps(ly), _mm256_set1_ps(lz)],
+                inverse: spread_axes(ray.inverse),
+                enters: spread_axes(ray.enters),
+                leaves: spread_axes(ray.leaves),
                 t_min: _mm256_set1_ps(ray.t_min),
-                near: [ray.near[0] & 1, ray.near[1] & 1, ray.near[2] & 1],
-                narrow: *ray,
+                end: _mm256_set1_ps(ray.end),
+                near: [down & 1, down >> 1 & 1, down >> 2 & 1],
+                t_scale: ray.t_scale,
             }
         }
+    }
+}
+
+/// Each of the first three lanes, spread over a register.
+#[inline(always)]
+fn spread_axes(v: __m128) -> [__m256; 3] {
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        let v = _mm256_castps128_ps256(v);
+        [
+            _mm256_broadcastss_ps(_mm256_castps256_ps128(v)),
+            _mm256_permutevar8x32_ps(v, _mm256_set1_epi32(1)),
+            _mm256_permutevar8x32_ps(v, _mm256_set1_epi32(2)),
+        ]
     }
 }
 
@@ -256,7 +354,7 @@ impl WideRay {
 /// # Safety
 /// As in `Avx2`; `W` must be 8.
 #[inline(always)]
-pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32) -> (__m256, __m256) {
+pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m256, __m256) {
     let p = boxes.planes.as_ptr().cast::<f32>();
     let (nx, ny, nz) = (ray.near[0] * 3 * W, ray.near[1] * 3 * W + W, ray.near[2] * 3 * W + 2 * W);
     let (fx, fy, fz) = (3 * W - nx, 5 * W - ny, 7 * W - nz);
@@ -269,40 +367,51 @@ pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxe
         let far_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fy)), ray.inverse[1], ray.leaves[1]);
         let far_z = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fz)), ray.inverse[2], ray.leaves[2]);
         let near = _mm256_max_ps(_mm256_max_ps(near_x, near_y), _mm256_max_ps(near_z, ray.t_min));
-        let far = _mm256_min_ps(_mm256_min_ps(far_x, far_y), _mm256_min_ps(far_z, _mm256_set1_ps(end)));
+        let far = _mm256_min_ps(_mm256_min_ps(far_x, far_y), _mm256_min_ps(far_z, ray.end));
         (near, far)
     }
 }
 
-/// Where the ray enters and leaves four boxes.
+/// Where the ray enters and leaves two or four boxes.
 ///
 /// # Safety
-/// As in `Avx2`; `W` must be 4.
+/// As in `Avx2`; `W` must be 2 or 4.
 #[inline(always)]
-pub(super) unsafe fn enter_and_leave_four<const W: usize>(
-    ray: &WideRay,
-    boxes: &Boxes<W>,
-    end: f32,
-) -> (__m128, __m128) {
+pub(super) unsafe fn enter_and_leave_few<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m128, __m128) {
     let p = boxes.planes.as_ptr().cast::<f32>();
     // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
     unsafe {
-        let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm_set1_ps(end));
+        let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm256_castps256_ps128(ray.end));
         for a in 0..3 {
-            let first = (ray.near[a] * 3 + a) * W;
-            let last = ((ray.near[a] ^ 1) * 3 + a) * W;
+            let first = load_few::<W>(p.add((ray.near[a] * 3 + a) * W));
+            let last = load_few::<W>(p.add(((ray.near[a] ^ 1) * 3 + a) * W));
             let inverse = _mm256_castps256_ps128(ray.inverse[a]);
-            let enters = _mm256_castps256_ps128(ray.enters[a]);
-            let leaves = _mm256_castps256_ps128(ray.leaves[a]);
-            near = _mm_max_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(first)), inverse, enters), near);
-            far = _mm_min_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(last)), inverse, leaves), far);
+            near = _mm_max_ps(_mm_fmadd_ps(first, inverse, _mm256_castps256_ps128(ray.enters[a])), near);
+            far = _mm_min_ps(_mm_fmadd_ps(last, inverse, _mm256_castps256_ps128(ray.leaves[a])), far);
         }
         (near, far)
     }
 }
 
+/// # Safety
+/// As in `Avx2`; at `p` there are `W` floats, 2 or 4.
 #[inline(always)]
-pub(super) fn spread(limits: &Depths) -> Limits {
+unsafe fn load_few<const W: usize>(p: *const f32) -> __m128 {
+    // SAFETY: see above.
+    unsafe { if W == 2 { _mm_castpd_ps(_mm_load_sd(p.cast())) } else { _mm_loadu_ps(p) } }
+}
+
+/// # Safety
+/// As in `Avx2`; `W` must be 2 or 4.
+#[inline(always)]
+pub(super) unsafe fn store_few<const W: usize>(t: &mut Entered<W>, v: __m128) {
+    let p = t.0.as_mut_ptr();
+    // SAFETY: see above; `t` has `W` floats.
+    unsafe { if W == 2 { _mm_store_sd(p.cast(), _mm_castps_pd(v)) } else { _mm_storeu_ps(p, v) } }
+}
+
+#[inline(always)]
+fn spread(limits: &Depths) -> Limits {
     // SAFETY: as in `Avx2`.
     unsafe {
         Limits {

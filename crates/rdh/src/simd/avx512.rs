@@ -2,10 +2,11 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_four, ray_frame, shear};
-use super::portable::Portable;
-use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
-use crate::geom::{Ray, RayFrame};
+use super::avx2::{
+    Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_few, ray_frame, shear, store_few,
+};
+use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
+use crate::geom::{Ray, RayFrame, Scale};
 
 /// Runs a job with AVX-512.
 ///
@@ -72,24 +73,32 @@ impl Kernels for Avx512 {
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> WideRay {
-        WideRay::new(ray)
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<WideRay> {
+        Avx2::box_ray(ray, scale, magnitude)
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+    fn end(ray: &WideRay) -> f32 {
+        Avx2::end(ray)
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut WideRay, t: f32) {
+        Avx2::end_at(ray, t);
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
         // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
         unsafe {
             if W == 8 {
-                let (near, far) = enter_and_leave(ray, boxes, end);
+                let (near, far) = enter_and_leave(ray, boxes);
                 _mm256_store_ps(t.0.as_mut_ptr(), near);
                 u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far))
-            } else if W == 4 {
-                let (near, far) = enter_and_leave_four(ray, boxes, end);
-                _mm_store_ps(t.0.as_mut_ptr(), near);
-                u32::from(_mm_cmp_ps_mask::<_CMP_LE_OQ>(near, far))
             } else {
-                Portable::meet(&ray.narrow, boxes, end, t)
+                let (near, far) = enter_and_leave_few(ray, boxes);
+                store_few(t, near);
+                u32::from(_mm_cmp_ps_mask::<_CMP_LE_OQ>(near, far)) & ((1 << W) - 1)
             }
         }
     }

@@ -19,7 +19,7 @@ pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use portable::Portable;
 
-use crate::geom::{Ray, RayFrame};
+use crate::geom::{Ray, RayFrame, Scale};
 
 /// A level of instructions that this CPU has: it can only be made by asking the CPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,11 +136,17 @@ pub(crate) trait Kernels: Copy {
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;
 
-    /// Spreads a ray over the lanes of boxes.
-    fn box_ray(ray: &BoxRay) -> Self::BoxRay;
+    /// [`BoxRay::new`], spread over the lanes; nothing if the ray is invalid.
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<Self::BoxRay>;
 
-    /// Which of the boxes the ray meets not after `end`: a bit a lane; `t` gets where it enters them. `W` is 4 or 8.
-    fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32;
+    /// Where the ray ends, in the boxes' `t`.
+    fn end(ray: &Self::BoxRay) -> f32;
+
+    /// Ends the ray at a hit, given in the ray's own `t`.
+    fn end_at(ray: &mut Self::BoxRay, t: f32);
+
+    /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
+    fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);

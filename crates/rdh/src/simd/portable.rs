@@ -1,7 +1,7 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
 use super::{Block, BoxRay, Boxes, Entered, Kernels, LANES, Sifted};
-use crate::geom::{RayFrame, larger, smaller};
+use crate::geom::{Ray, RayFrame, Scale, larger, smaller};
 
 /// Plain loops.
 #[derive(Debug, Clone, Copy)]
@@ -54,15 +54,25 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> BoxRay {
-        *ray
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<BoxRay> {
+        BoxRay::new(ray, scale, magnitude)
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
-        let (mut near, mut far) = ([ray.t_min; W], [end; W]);
+    fn end(ray: &BoxRay) -> f32 {
+        ray.end
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut BoxRay, t: f32) {
+        ray.end = BoxRay::end_for(t, ray.t_scale);
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
+        let (mut near, mut far) = ([ray.t_min; W], [ray.end; W]);
         for a in 0..3 {
-            let side = ray.near[a] & 1;
+            let side = ray.near(a);
             let (first, last) = (&boxes.planes[side][a], &boxes.planes[side ^ 1][a]);
             for i in 0..W {
                 near[i] = larger(first[i] * ray.inverse[a] + ray.enters[a], near[i]);
