@@ -54,7 +54,9 @@ pub struct PlaneFrame {
     pub origin: Vec3,
     /// The reciprocal of the direction: finite, with the direction's sign (that of a zero too).
     pub inverse: Vec3,
-    /// By how much, in `t`, a plane is widened on each side.
+    /// By how much a plane is widened on each side …
+    pub slack: f32,
+    /// … and that in `t`.
     pub pad: Vec3,
     /// The ray's own interval, in this space.
     pub t_min: f32,
@@ -100,7 +102,7 @@ impl PlaneFrame {
         let inverse = d.map(|d| 1.0 / if d.abs() >= Self::PARALLEL { d } else { Self::PARALLEL.copysign(d) });
         let pad = inverse.map(|x| slack * x.abs());
         let ([ix, iy, iz, _], [px, py, pz, _]) = (inverse, pad);
-        Self { origin, inverse: [ix, iy, iz], pad: [px, py, pz], t_min, t_max, t_scale }
+        Self { origin, inverse: [ix, iy, iz], slack, pad: [px, py, pz], t_min, t_max, t_scale }
     }
 
     #[cold]
@@ -117,7 +119,8 @@ impl PlaneFrame {
             return Self::nearby(origin, direction, slack, interval, t_scale);
         }
         let (inverse, pad) = ([Self::EVERYWHERE; 3], [f32::MAX / 4.0; 3]);
-        Self { origin: [0.0; 3], inverse, pad, t_min: interval.0, t_max: interval.1, t_scale }
+        let slack = f32::MAX / 4.0 / Self::EVERYWHERE;
+        Self { origin: [0.0; 3], inverse, slack, pad, t_min: interval.0, t_max: interval.1, t_scale }
     }
 
     /// Where the ray enters a box and where it leaves it, within its own interval; it misses if that is empty.

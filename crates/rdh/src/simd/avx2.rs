@@ -236,54 +236,68 @@ pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
     }
 }
 
-/// A [`BoxRay`] whose axes lie in the first three lanes.
+/// A [`BoxRay`] whose axes lie in the first three lanes of both halves.
 #[derive(Clone, Copy)]
 struct AxesRay {
-    inverse: __m128,
-    enters: __m128,
-    leaves: __m128,
+    inverse: __m256,
+    enters: __m256,
+    leaves: __m256,
     t_min: f32,
     end: f32,
     t_scale: f64,
+    down: usize,
 }
 
-/// The largest sizes of a ray's numbers, origin, direction and interval, with which it needs no special care …
-const MOST: [f32; 8] = {
+/// The largest sizes of an origin's and a direction's components with which a ray needs no special care …
+const MOST: [[f32; 4]; 2] = {
     let (far, long) = (PlaneFrame::FAR.next_down(), ((2 << PlaneFrame::UNITS) as f32).next_down());
-    [far, far, far, long, long, long, f32::INFINITY, f32::INFINITY]
+    [[far, far, far, long], [long, long, long, f32::INFINITY]]
 };
-/// … and the smallest ones, of which one has to be reached.
-const LEAST: [f32; 8] = {
+/// … and the smallest ones of a direction's, of which one has to be reached.
+const LEAST: [f32; 4] = {
     let (never, short) = (f32::NAN, 1.0 / (1 << PlaneFrame::UNITS) as f32);
-    [never, never, never, short, short, short, never, never]
+    [short, short, short, never]
 };
 
-/// [`BoxRay::new`] for nearly all rays: valid, and with nothing to be scaled. What an interval that ends before it begins lacks for
-/// being valid, the boxes see: none is met.
+/// [`BoxRay::new`] for nearly all rays: valid, and with nothing to be scaled.
 #[inline(always)]
 fn usual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
-    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first eight are loaded.
+    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
+        // Twice in a register, so that the axes can be spread by the fast shuffles, which stay within halves.
+        let (origin, direction) = (_mm256_broadcast_ps(&*p.cast()), _mm256_broadcast_ps(&*p.add(3).cast()));
         let sign = _mm256_set1_ps(-0.0);
-        let size = _mm256_andnot_ps(sign, _mm256_loadu_ps(p));
+        let (from, along) = (_mm256_andnot_ps(sign, origin), _mm256_andnot_ps(sign, direction));
         // What is not a number compares as false.
-        let small = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(size, _mm256_loadu_ps(MOST.as_ptr())));
-        let moves = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(size, _mm256_loadu_ps(LEAST.as_ptr())));
-        if small != 0xff || moves == 0 || scale.factor() != 1.0 {
+        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_broadcast_ps(&*MOST[0].as_ptr().cast()));
+        let short = _mm256_cmp_ps::<_CMP_LE_OQ>(along, _mm256_broadcast_ps(&*MOST[1].as_ptr().cast()));
+        let moves = _mm256_cmp_ps::<_CMP_GE_OQ>(along, _mm256_broadcast_ps(&*LEAST.as_ptr().cast()));
+        if _mm256_movemask_ps(_mm256_and_ps(near, short)) != 0xff
+            || _mm256_movemask_ps(moves) == 0
+            || !(ray.t_min <= ray.t_max)
+            || scale.factor() != 1.0
+        {
             return None;
         }
-        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
-        let (sign, from) = (_mm256_castps256_ps128(sign), _mm256_castps256_ps128(size));
-        let (from_y, from_z) = (_mm_shuffle_ps::<0b00_00_10_01>(from, from), _mm_shuffle_ps::<0b00_01_00_10>(from, from));
-        let reach = _mm_max_ps(_mm_max_ps(from, from_y), from_z);
-        let slack = _mm_mul_ps(_mm_add_ps(reach, _mm_set1_ps(magnitude)), _mm_set1_ps(1.0 / (1 << 21) as f32));
-        let along = _mm_max_ps(_mm_andnot_ps(sign, direction), _mm_set1_ps(PlaneFrame::PARALLEL));
-        let inverse = _mm_div_ps(_mm_set1_ps(1.0), _mm_or_ps(along, _mm_and_ps(sign, direction)));
-        let pad = _mm_mul_ps(slack, _mm_andnot_ps(sign, inverse));
-        let start = _mm_mul_ps(_mm_xor_ps(sign, origin), inverse);
-        let (enters, leaves) = (_mm_sub_ps(start, pad), _mm_add_ps(start, pad));
-        Some(AxesRay { inverse, enters, leaves, t_min: ray.t_min, end: ray.t_max, t_scale: 1.0 })
+        let (from_y, from_z) =
+            (_mm256_shuffle_ps::<0b00_00_10_01>(from, from), _mm256_shuffle_ps::<0b00_01_00_10>(from, from));
+        let reach = _mm256_max_ps(_mm256_max_ps(from, from_y), from_z);
+        let slack = _mm256_mul_ps(
+            _mm256_add_ps(reach, _mm256_set1_ps(magnitude)),
+            _mm256_set1_ps(1.0 / (1 << 21) as f32),
+        );
+        let signs = _mm256_and_ps(sign, direction);
+        let slack = _mm256_or_ps(slack, signs);
+        // Sizes compare like integers, which is faster.
+        let parallel = _mm256_castps_si256(_mm256_set1_ps(PlaneFrame::PARALLEL));
+        let along = _mm256_castsi256_ps(_mm256_max_epu32(_mm256_castps_si256(along), parallel));
+        let inverse = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_or_ps(along, signs));
+        let back = _mm256_xor_ps(sign, origin);
+        let enters = _mm256_mul_ps(_mm256_sub_ps(back, slack), inverse);
+        let leaves = _mm256_mul_ps(_mm256_add_ps(back, slack), inverse);
+        let down = _mm256_movemask_ps(direction) as usize;
+        Some(AxesRay { inverse, enters, leaves, t_min: ray.t_min, end: ray.t_max, t_scale: 1.0, down })
     }
 }
 
@@ -295,12 +309,16 @@ fn unusual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
     fn prepare(ray: &Ray, scale: Scale, magnitude: f32) -> Option<BoxRay> {
         BoxRay::new(ray, scale, magnitude)
     }
-    let BoxRay { inverse, enters, leaves, t_min, end, t_scale } = prepare(ray, scale, magnitude)?;
+    let ray = prepare(ray, scale, magnitude)?;
+    let (inverse, enters, leaves) = (twice(ray.inverse), twice(ray.enters), twice(ray.leaves));
+    let BoxRay { t_min, end, t_scale, .. } = ray;
+    Some(AxesRay { inverse, enters, leaves, t_min, end, t_scale, down: ray.down() })
+}
+
+#[inline(always)]
+fn twice([x, y, z]: [f32; 3]) -> __m256 {
     // SAFETY: as in `Avx2`.
-    unsafe {
-        let axes = |v: [f32; 3]| _mm_setr_ps(v[0], v[1], v[2], 0.0);
-        Some(AxesRay { inverse: axes(inverse), enters: axes(enters), leaves: axes(leaves), t_min, end, t_scale })
-    }
+    unsafe { _mm256_setr_ps(x, y, z, 0.0, x, y, z, 0.0) }
 }
 
 /// A [`BoxRay`] in registers.
@@ -321,30 +339,28 @@ impl WideRay {
     fn new(ray: &AxesRay) -> Self {
         // SAFETY: as in `Avx2`.
         unsafe {
-            let down = _mm_movemask_ps(ray.inverse) as usize;
             Self {
                 inverse: spread_axes(ray.inverse),
                 enters: spread_axes(ray.enters),
                 leaves: spread_axes(ray.leaves),
                 t_min: _mm256_set1_ps(ray.t_min),
                 end: _mm256_set1_ps(ray.end),
-                near: [down & 1, down >> 1 & 1, down >> 2 & 1],
+                near: [ray.down & 1, ray.down >> 1 & 1, ray.down >> 2 & 1],
                 t_scale: ray.t_scale,
             }
         }
     }
 }
 
-/// Each of the first three lanes, spread over a register.
+/// Each of the first three lanes, spread over a register whose halves are equal.
 #[inline(always)]
-fn spread_axes(v: __m128) -> [__m256; 3] {
+fn spread_axes(v: __m256) -> [__m256; 3] {
     // SAFETY: as in `Avx2`.
     unsafe {
-        let v = _mm256_castps128_ps256(v);
         [
-            _mm256_broadcastss_ps(_mm256_castps256_ps128(v)),
-            _mm256_permutevar8x32_ps(v, _mm256_set1_epi32(1)),
-            _mm256_permutevar8x32_ps(v, _mm256_set1_epi32(2)),
+            _mm256_permute_ps::<0b00_00_00_00>(v),
+            _mm256_permute_ps::<0b01_01_01_01>(v),
+            _mm256_permute_ps::<0b10_10_10_10>(v),
         ]
     }
 }

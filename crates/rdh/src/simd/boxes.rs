@@ -65,23 +65,30 @@ pub(crate) struct BoxRay {
 }
 
 impl BoxRay {
-    /// Prepares a ray; nothing if it is invalid. The pads are spread over the planes, as `kd/trace.rs` does.
+    /// Prepares a ray; nothing if it is invalid.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, scale: Scale, magnitude: f32) -> Option<Self> {
         if !ray.is_valid() {
             return None;
         }
         let frame = PlaneFrame::new(ray, scale, magnitude);
-        let ([x, y, z], [ox, oy, oz], [px, py, pz]) = (frame.inverse, frame.origin, frame.pad);
-        let (sx, sy, sz) = (-ox * x, -oy * y, -oz * z);
+        let ([x, y, z], [ox, oy, oz]) = (frame.inverse, frame.origin);
+        // The ray is moved, not the planes: what is left to do once the reciprocals are known is one product.
+        let (sx, sy, sz) = (frame.slack.copysign(x), frame.slack.copysign(y), frame.slack.copysign(z));
         Some(Self {
             inverse: [x, y, z],
-            enters: [sx - px, sy - py, sz - pz],
-            leaves: [sx + px, sy + py, sz + pz],
+            enters: [-(ox + sx) * x, -(oy + sy) * y, -(oz + sz) * z],
+            leaves: [-(ox - sx) * x, -(oy - sy) * y, -(oz - sz) * z],
             t_min: frame.t_min,
             end: frame.t_max,
             t_scale: frame.t_scale(),
         })
+    }
+
+    /// A bit an axis: 1 where the ray runs down the axis and meets the upper plane first.
+    #[inline(always)]
+    pub(crate) fn down(&self) -> usize {
+        self.near(0) | self.near(1) << 1 | self.near(2) << 2
     }
 
     /// 1 where the ray runs down the axis and meets the upper plane first.
