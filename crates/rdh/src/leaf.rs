@@ -82,8 +82,8 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Prepares a valid ray.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
-        let frame = K::ray_frame(ray);
-        Self { frame, lanes: K::frame(&frame), ray_mask: ray.mask, masks }
+        let (frame, lanes) = K::frames(ray);
+        Self { frame, lanes, ray_mask: ray.mask, masks }
     }
 
     /// The end of interest, in the ray's own `t`.

@@ -26,6 +26,7 @@ pub(crate) struct Frame {
     rows: [usize; 3],
     origin: [__m256; 3],
     shear: [__m256; 2],
+    direction_z: __m256,
     pub(super) limits: Limits,
 }
 
@@ -45,27 +46,14 @@ impl Kernels for Avx2 {
     type BoxRay = WideRay;
 
     #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        ray_frame(ray)
-    }
-
-    #[inline(always)]
-    fn frame(frame: &RayFrame) -> Frame {
-        let ([kx, ky, kz], [ox, oy, oz]) = (frame.k, frame.origin);
-        // SAFETY: see above.
-        unsafe {
-            Frame {
-                limits: spread(&frame.depths()),
-                rows: [kx.min(2) * LANES, ky.min(2) * LANES, kz.min(2) * LANES],
-                origin: [_mm256_set1_ps(ox), _mm256_set1_ps(oy), _mm256_set1_ps(oz)],
-                shear: [_mm256_set1_ps(frame.shear[0]), _mm256_set1_ps(frame.shear[1])],
-            }
-        }
+    fn frames(ray: &Ray) -> (RayFrame, Frame) {
+        frames(ray)
     }
 
     #[inline(always)]
     fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        lanes.limits = spread(&frame.depths());
+        // SAFETY: see above.
+        lanes.limits = unsafe { limits(_mm256_set1_ps(frame.t_min), _mm256_set1_ps(frame.t_max), lanes.direction_z) };
     }
 
     #[inline(always)]
@@ -205,34 +193,53 @@ const X: ([usize; 3], [i32; 4]) = ([1, 2, 0], [1, 2, 0, 0]);
 const Y: ([usize; 3], [i32; 4]) = ([2, 0, 1], [2, 0, 1, 1]);
 const Z: ([usize; 3], [i32; 4]) = ([0, 1, 2], [0, 1, 2, 2]);
 
-/// [`RayFrame::new`] without a branch: which component is the longest is as good as random.
+/// [`RayFrame::new`] without a branch: which component is the longest is as good as random. Both halves of a register do the same.
 #[inline(always)]
-pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
+fn frames(ray: &Ray) -> (RayFrame, Frame) {
     // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
-        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
-        let size = _mm_andnot_ps(_mm_set1_ps(-0.0), direction);
+        let (origin, direction) = (_mm256_broadcast_ps(&*p.cast()), _mm256_broadcast_ps(&*p.add(3).cast()));
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), direction);
         // x > y, y > z, and x > z in lane 2.
-        let (these, those) = (_mm_shuffle_ps::<0b00_00_01_00>(size, size), _mm_shuffle_ps::<0b10_10_10_01>(size, size));
-        let longer = _mm_movemask_ps(_mm_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
+        let these = _mm256_shuffle_ps::<0b00_00_01_00>(size, size);
+        let those = _mm256_shuffle_ps::<0b10_10_10_01>(size, size);
+        let longer = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
         let (k, order) = &AXES[longer];
         std::hint::assert_unchecked(k[0] < 3 && k[1] < 3 && k[2] < 3);
-        let order = _mm_loadu_si128(order.as_ptr().cast());
-        let (o, d) = (_mm_permutevar_ps(origin, order), _mm_permutevar_ps(direction, order));
-        let dz = _mm_shuffle_ps::<0b10_10_10_10>(d, d);
-        let shear = _mm_div_ps(d, dz);
-        let (mut from, mut by) = ([0.0; 4], [0.0; 4]);
-        _mm_storeu_ps(from.as_mut_ptr(), o);
-        _mm_storeu_ps(by.as_mut_ptr(), shear);
-        RayFrame {
+        let order = _mm256_castps_si256(_mm256_broadcast_ps(&*order.as_ptr().cast()));
+        let (o, d) = (_mm256_permutevar_ps(origin, order), _mm256_permutevar_ps(direction, order));
+        let direction_z = _mm256_permute_ps::<0b10_10_10_10>(d);
+        let shear = _mm256_div_ps(d, direction_z);
+        let (origin, [shear_x, shear_y, _]) = (spread_axes(o), spread_axes(shear));
+        let frame = RayFrame {
             k: *k,
-            origin: [from[0], from[1], from[2]],
-            shear: [by[0], by[1]],
-            direction_z: _mm_cvtss_f32(dz),
+            origin: [_mm256_cvtss_f32(origin[0]), _mm256_cvtss_f32(origin[1]), _mm256_cvtss_f32(origin[2])],
+            shear: [_mm256_cvtss_f32(shear_x), _mm256_cvtss_f32(shear_y)],
+            direction_z: _mm256_cvtss_f32(direction_z),
             t_min: ray.t_min,
             t_max: ray.t_max,
-        }
+        };
+        let limits = limits(_mm256_set1_ps(ray.t_min), _mm256_set1_ps(ray.t_max), direction_z);
+        let rows = [k[0] * LANES, k[1] * LANES, k[2] * LANES];
+        (frame, Frame { rows, origin, shear: [shear_x, shear_y], direction_z, limits })
+    }
+}
+
+/// [`RayFrame::depths`](crate::geom::RayFrame), all at once.
+#[inline(always)]
+fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        let a = _mm256_mul_ps(_mm256_max_ps(t_min, _mm256_set1_ps(f32::MIN)), direction_z);
+        let b = _mm256_mul_ps(_mm256_min_ps(t_max, _mm256_set1_ps(f32::MAX)), direction_z);
+        // The lower end twice, the upper end twice: an end's even lane is lowered, its odd one is raised.
+        let ends = _mm256_blend_ps::<0b1100_1100>(_mm256_min_ps(a, b), _mm256_max_ps(a, b));
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), ends);
+        let slack = _mm256_mul_ps(size, _mm256_set1_ps(Depths::SLACK));
+        let ends = _mm256_addsub_ps(ends, _mm256_add_ps(slack, _mm256_set1_ps(f32::MIN_POSITIVE)));
+        let [nearest, surely_from, surely_to] = spread_axes(ends);
+        Limits { nearest, farthest: _mm256_permute_ps::<0b11_11_11_11>(ends), surely_from, surely_to }
     }
 }
 
@@ -424,19 +431,6 @@ pub(super) unsafe fn store_few<const W: usize>(t: &mut Entered<W>, v: __m128) {
     let p = t.0.as_mut_ptr();
     // SAFETY: see above; `t` has `W` floats.
     unsafe { if W == 2 { _mm_store_sd(p.cast(), _mm_castps_pd(v)) } else { _mm_storeu_ps(p, v) } }
-}
-
-#[inline(always)]
-fn spread(limits: &Depths) -> Limits {
-    // SAFETY: as in `Avx2`.
-    unsafe {
-        Limits {
-            nearest: _mm256_set1_ps(limits.nearest),
-            farthest: _mm256_set1_ps(limits.farthest),
-            surely_from: _mm256_set1_ps(limits.surely_from),
-            surely_to: _mm256_set1_ps(limits.surely_to),
-        }
-    }
 }
 
 // Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::avx2::{
-    Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_few, ray_frame, shear, store_few,
+    Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_few, shear, store_few,
 };
 use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale};
@@ -28,13 +28,8 @@ impl Kernels for Avx512 {
     type BoxRay = WideRay;
 
     #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        ray_frame(ray)
-    }
-
-    #[inline(always)]
-    fn frame(frame: &RayFrame) -> Frame {
-        Avx2::frame(frame)
+    fn frames(ray: &Ray) -> (RayFrame, Frame) {
+        Avx2::frames(ray)
     }
 
     #[inline(always)]

@@ -118,14 +118,8 @@ pub(crate) trait Kernels: Copy {
     /// A ray's frame, spread over the lanes.
     type Frame: Copy;
 
-    /// [`RayFrame::new`], bit for bit.
-    #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        RayFrame::new(ray)
-    }
-
-    /// Spreads a frame over the lanes.
-    fn frame(frame: &RayFrame) -> Self::Frame;
+    /// [`RayFrame::new`], bit for bit, and the same spread over the lanes.
+    fn frames(ray: &Ray) -> (RayFrame, Self::Frame);
 
     /// Takes over a shortened interval of `t`.
     fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
@@ -172,7 +166,7 @@ mod tests {
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
         block: &'a Block,
-        frame: RayFrame,
+        ray: &'a Ray,
         values: &'a [f32],
     }
 
@@ -181,9 +175,9 @@ mod tests {
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
-            let mut lanes = K::frame(&self.frame);
+            let (frame, mut lanes) = K::frames(self.ray);
             let before = K::sift(&lanes, self.block);
-            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..self.frame });
+            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..frame });
             let after = K::sift(&lanes, self.block);
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
@@ -218,8 +212,7 @@ mod tests {
             }
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
-            let on =
-                |level: Level| level.run(Everything { block: &block, frame: RayFrame::new(&ray), values: &values });
+            let on = |level: Level| level.run(Everything { block: &block, frame: RayFrame::new(&ray), values: &values });
             let portable = on(Level::PORTABLE);
             for level in Level::available() {
                 assert_eq!(on(level), portable, "{}", level.name());

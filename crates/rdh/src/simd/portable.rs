@@ -12,8 +12,9 @@ impl Kernels for Portable {
     type BoxRay = BoxRay;
 
     #[inline(always)]
-    fn frame(frame: &RayFrame) -> RayFrame {
-        *frame
+    fn frames(ray: &Ray) -> (RayFrame, RayFrame) {
+        let frame = RayFrame::new(ray);
+        (frame, frame)
     }
 
     #[inline(always)]
