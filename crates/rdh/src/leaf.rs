@@ -118,12 +118,16 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Tests the `wanted` lanes of a block: whether the end of interest has moved; nothing if the ray is done.
     #[inline(always)]
     pub(crate) fn test<C: Collector>(&mut self, block: &Block, wanted: u32, collector: &mut C) -> Option<bool> {
-        let sifted = K::sift(&self.lanes, block);
-        if C::ANY && sifted.certain & wanted != 0 && self.masks.is_none() {
+        let sifted = if C::ANY {
+            K::sift::<true>(&self.lanes, block, wanted)
+        } else {
+            K::sift::<false>(&self.lanes, block, wanted)
+        };
+        if C::ANY && sifted.certain != 0 && self.masks.is_none() {
             collector.certain();
             return None;
         }
-        let (mut moved, mut candidates) = (false, sifted.possible & wanted);
+        let (mut moved, mut candidates) = (false, sifted.possible);
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;

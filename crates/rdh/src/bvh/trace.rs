@@ -18,7 +18,7 @@ pub(crate) struct Walk<'a, P, C, const W: usize> {
     pub(crate) tree: &'a Bvh<W>,
     pub(crate) ray: &'a Ray,
     pub(crate) probe: &'a mut P,
-    pub(crate) collector: &'a mut C,
+    pub(crate) collector: C,
 }
 
 /// A child to be visited, and where the ray enters its box.
@@ -32,13 +32,15 @@ struct Entry {
 const STACK: usize = 7 * DEEPEST as usize + 8;
 
 impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
-    type Output = ();
+    /// What was collected.
+    type Output = C;
 
     #[inline(always)]
-    fn run<K: Kernels>(self) {
-        let Self { tree, ray, probe, collector } = self;
-        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return };
+    fn run<K: Kernels>(self) -> C {
+        let Self { tree, ray, probe, mut collector } = self;
+        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector };
         let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
+        let nodes = &tree.nodes[..];
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
         let mut link = Link::node(0);
@@ -46,7 +48,7 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
         loop {
             if !link.is_leaf() {
                 probe.interior();
-                let node = &tree.nodes[link.index()];
+                let node = &nodes[link.index()];
                 let met = K::meet(&boxes, node, &mut t);
                 if met != 0 {
                     let first = met.trailing_zeros() as usize;
@@ -64,15 +66,15 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
                 }
             } else {
                 probe.leaf(link.count());
-                match tester.test(&tree.blocks[link.block()], link.lanes(), collector) {
+                match tester.test(&tree.blocks[link.block()], link.lanes(), &mut collector) {
                     Some(true) => K::end_at(&mut boxes, tester.t_max()),
                     Some(false) => {}
-                    None => return,
+                    None => return collector,
                 }
             }
             link = loop {
                 match stack.pop() {
-                    None => return,
+                    None => return collector,
                     Some(entry) if !C::ANY && entry.t > K::end(&boxes) => {}
                     Some(entry) => break entry.link,
                 }

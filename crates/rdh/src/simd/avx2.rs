@@ -24,7 +24,8 @@ pub(crate) struct Avx2;
 pub(crate) struct Frame {
     /// Where a corner's coordinates along the frame's axes begin: 0, 8 and 16 in some order.
     rows: [usize; 3],
-    origin: [__m256; 3],
+    /// The origin, negated: adding it takes its operand from memory, subtracting the origin would not.
+    back: [__m256; 3],
     shear: [__m256; 2],
     direction_z: __m256,
     pub(super) limits: Limits,
@@ -57,39 +58,36 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
-    fn sift(frame: &Frame, block: &Block) -> Sifted {
-        let (p0, p1, p2) =
-            (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
-        let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
+        let spans = spans(frame, block);
+        let Spans { least, most, first, last, .. } = spans;
         // SAFETY: see above.
         unsafe {
             let zero = _mm256_setzero_ps();
-            let (u_below, u_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(u, zero));
-            let (v_below, v_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(v, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero));
-            let (w_below, w_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(w, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero));
+            // A hit's depth lies between those of the corners. What is not a number says nothing.
             let outside = _mm256_and_ps(
-                _mm256_or_ps(_mm256_or_ps(u_below, v_below), w_below),
-                _mm256_or_ps(_mm256_or_ps(u_above, v_above), w_above),
+                _mm256_cmp_ps::<_CMP_LT_OQ>(least, zero),
+                _mm256_cmp_ps::<_CMP_GT_OQ>(most, zero),
             );
-            let inside = _mm256_or_ps(
-                _mm256_and_ps(_mm256_and_ps(u_below, v_below), w_below),
-                _mm256_and_ps(_mm256_and_ps(u_above, v_above), w_above),
-            );
-            // A hit's depth lies between those of the corners.
-            let first = _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2);
-            let last = _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2);
             let beyond = _mm256_or_ps(
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
+            );
+            let possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            if !CERTAIN {
+                return Sifted { possible, certain: 0 };
+            }
+            let sum = spans.sum();
+            let inside = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_GT_OQ>(least, zero),
+                _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero),
             );
             let within = _mm256_and_ps(
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.surely_from),
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.surely_to),
             );
-            Sifted {
-                possible: !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & 0xff,
-                certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32,
-            }
+            let inside = _mm256_and_ps(inside, _mm256_cmp_ps::<_CMP_ORD_Q>(sum, sum));
+            Sifted { possible, certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32 & wanted }
         }
     }
 
@@ -206,15 +204,19 @@ fn frames(ray: &Ray) -> (RayFrame, Frame) {
         let those = _mm256_shuffle_ps::<0b10_10_10_01>(size, size);
         let longer = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
         let (k, order) = &AXES[longer];
-        std::hint::assert_unchecked(k[0] < 3 && k[1] < 3 && k[2] < 3);
+        let k = *k;
+        // So says the table; indices need no further check.
+        std::hint::assert_unchecked(k[0] < 3);
+        std::hint::assert_unchecked(k[1] < 3);
+        std::hint::assert_unchecked(k[2] < 3);
         let order = _mm256_castps_si256(_mm256_broadcast_ps(&*order.as_ptr().cast()));
         let (o, d) = (_mm256_permutevar_ps(origin, order), _mm256_permutevar_ps(direction, order));
         let direction_z = _mm256_permute_ps::<0b10_10_10_10>(d);
         let shear = _mm256_div_ps(d, direction_z);
-        let (origin, [shear_x, shear_y, _]) = (spread_axes(o), spread_axes(shear));
+        let (back, [shear_x, shear_y, _]) = (spread_axes(_mm256_xor_ps(_mm256_set1_ps(-0.0), o)), spread_axes(shear));
         let frame = RayFrame {
-            k: *k,
-            origin: [_mm256_cvtss_f32(origin[0]), _mm256_cvtss_f32(origin[1]), _mm256_cvtss_f32(origin[2])],
+            k,
+            origin: [-_mm256_cvtss_f32(back[0]), -_mm256_cvtss_f32(back[1]), -_mm256_cvtss_f32(back[2])],
             shear: [_mm256_cvtss_f32(shear_x), _mm256_cvtss_f32(shear_y)],
             direction_z: _mm256_cvtss_f32(direction_z),
             t_min: ray.t_min,
@@ -222,7 +224,7 @@ fn frames(ray: &Ray) -> (RayFrame, Frame) {
         };
         let limits = limits(_mm256_set1_ps(ray.t_min), _mm256_set1_ps(ray.t_max), direction_z);
         let rows = [k[0] * LANES, k[1] * LANES, k[2] * LANES];
-        (frame, Frame { rows, origin, shear: [shear_x, shear_y], direction_z, limits })
+        (frame, Frame { rows, back, shear: [shear_x, shear_y], direction_z, limits })
     }
 }
 
@@ -435,21 +437,60 @@ pub(super) unsafe fn store_few<const W: usize>(t: &mut Entered<W>, v: __m128) {
 
 // Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.
 
+/// What sifting asks of eight triangles.
+#[derive(Clone, Copy)]
+pub(super) struct Spans {
+    edges: [__m256; 3],
+    /// The smallest and the largest of the edge functions.
+    pub(super) least: __m256,
+    pub(super) most: __m256,
+    /// The smallest and the largest of the corners' depths.
+    pub(super) first: __m256,
+    pub(super) last: __m256,
+}
+
+impl Spans {
+    /// The sum of the edge functions: no number if one of them is none, which the smallest and the largest don't tell.
+    #[inline(always)]
+    pub(super) fn sum(&self) -> __m256 {
+        let [u, v, w] = self.edges;
+        // SAFETY: as in `Avx2`.
+        unsafe { _mm256_add_ps(_mm256_add_ps(u, v), w) }
+    }
+}
+
+#[inline(always)]
+pub(super) fn spans(frame: &Frame, block: &Block) -> Spans {
+    let (p0, p1, p2) =
+        (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
+    let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        Spans {
+            edges: [u, v, w],
+            least: _mm256_min_ps(_mm256_min_ps(u, v), w),
+            most: _mm256_max_ps(_mm256_max_ps(u, v), w),
+            first: _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2),
+            last: _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2),
+        }
+    }
+}
+
 /// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
-pub(super) fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
+fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
     let ([x, y, z], p) = (frame.rows, corner.as_ptr().cast::<f32>());
     // SAFETY: as in `Avx2`; a corner has three rows of eight floats, and a frame's rows begin at 16 at most.
     unsafe {
-        let z = _mm256_sub_ps(_mm256_loadu_ps(p.add(z)), frame.origin[2]);
-        let x = _mm256_sub_ps(_mm256_loadu_ps(p.add(x)), frame.origin[0]);
-        let y = _mm256_sub_ps(_mm256_loadu_ps(p.add(y)), frame.origin[1]);
+        let z = _mm256_add_ps(frame.back[2], _mm256_loadu_ps(p.add(z)));
+        let x = _mm256_add_ps(frame.back[0], _mm256_loadu_ps(p.add(x)));
+        let y = _mm256_add_ps(frame.back[1], _mm256_loadu_ps(p.add(y)));
         (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)), z)
     }
 }
 
 #[inline(always)]
-pub(super) fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
+fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
     // SAFETY: as in `Avx2`.
     unsafe { _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0)) }
 }

@@ -79,7 +79,7 @@ impl Level {
     #[inline(always)]
     pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
         match self.0 {
-            Kind::Portable => job.run::<portable::Portable>(),
+            Kind::Portable => portable::enter(job),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, FMA, BMI1 and BMI2.
             Kind::Avx2 => unsafe { avx2::enter(job) },
@@ -124,8 +124,8 @@ pub(crate) trait Kernels: Copy {
     /// Takes over a shortened interval of `t`.
     fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
 
-    /// Which lanes THE triangle test might accept, and which it surely does.
-    fn sift(frame: &Self::Frame, block: &Block) -> Sifted;
+    /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does.
+    fn sift<const CERTAIN: bool>(frame: &Self::Frame, block: &Block, wanted: u32) -> Sifted;
 
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;
@@ -176,9 +176,9 @@ mod tests {
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
             let (frame, mut lanes) = K::frames(self.ray);
-            let before = K::sift(&lanes, self.block);
+            let before = K::sift::<true>(&lanes, self.block, 0xff);
             K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..frame });
-            let after = K::sift(&lanes, self.block);
+            let after = K::sift::<true>(&lanes, self.block, 0xff);
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
             K::count_below(self.values, planes, &mut below);

@@ -1,7 +1,13 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
-use super::{Block, BoxRay, Boxes, Entered, Kernels, LANES, Sifted};
+use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, larger, smaller};
+
+/// Runs a job with what every CPU has. Never inlined: where it is not called, its frame would cost all the same.
+#[inline(never)]
+pub(super) fn enter<J: Job>(job: J) -> J::Output {
+    job.run::<Portable>()
+}
 
 /// Plain loops.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +29,7 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
-    fn sift(frame: &RayFrame, block: &Block) -> Sifted {
+    fn sift<const CERTAIN: bool>(frame: &RayFrame, block: &Block, wanted: u32) -> Sifted {
         let [kx, ky, kz] = frame.k;
         let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
@@ -49,9 +55,9 @@ impl Kernels for Portable {
             let beyond = last < limits.nearest || first > limits.farthest;
             let within = first > limits.surely_from && last < limits.surely_to;
             sifted.possible |= u32::from(!(outside || beyond)) << i;
-            sifted.certain |= u32::from(inside && within) << i;
+            sifted.certain |= u32::from(CERTAIN && inside && within) << i;
         }
-        sifted
+        Sifted { possible: sifted.possible & wanted, certain: sifted.certain & wanted }
     }
 
     #[inline(always)]
