@@ -14,11 +14,11 @@ use crate::probe::Probe;
 use crate::simd::{Entered, Job, Kernels};
 
 /// One ray's way through a tree.
-pub(crate) struct Walk<'a, P, C, const W: usize> {
+pub(crate) struct Walk<'a, P, C: Collector, const W: usize> {
     pub(crate) tree: &'a Bvh<W>,
     pub(crate) ray: &'a Ray,
     pub(crate) probe: &'a mut P,
-    pub(crate) collector: C,
+    pub(crate) start: C::Start,
 }
 
 /// A child to be visited, and where the ray enters its box.
@@ -33,12 +33,13 @@ const STACK: usize = 7 * DEEPEST as usize + 8;
 
 impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
     /// What was collected.
-    type Output = C;
+    type Output = C::Output;
 
     #[inline(always)]
-    fn run<K: Kernels>(self) -> C {
-        let Self { tree, ray, probe, mut collector } = self;
-        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector };
+    fn run<K: Kernels>(self) -> C::Output {
+        let Self { tree, ray, probe, start } = self;
+        let mut collector = C::new(start);
+        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector.finish() };
         let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
         let nodes = &tree.nodes[..];
         let mut slots = Slots::<Entry, STACK>::new();
@@ -69,12 +70,12 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
                 match tester.test(&tree.blocks[link.block()], link.lanes(), &mut collector) {
                     Some(true) => K::end_at(&mut boxes, tester.t_max()),
                     Some(false) => {}
-                    None => return collector,
+                    None => return collector.finish(),
                 }
             }
             link = loop {
                 match stack.pop() {
-                    None => return collector,
+                    None => return collector.finish(),
                     Some(entry) if !C::ANY && entry.t > K::end(&boxes) => {}
                     Some(entry) => break entry.link,
                 }

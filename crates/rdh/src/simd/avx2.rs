@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::portable::Portable;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
-use crate::geom::{Depths, PlaneFrame, Ray, RayFrame, Scale};
+use crate::geom::{Depths, PlaneFrame, Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX2.
 ///
@@ -65,10 +65,8 @@ impl Kernels for Avx2 {
         unsafe {
             let zero = _mm256_setzero_ps();
             // A hit's depth lies between those of the corners. What is not a number says nothing.
-            let outside = _mm256_and_ps(
-                _mm256_cmp_ps::<_CMP_LT_OQ>(least, zero),
-                _mm256_cmp_ps::<_CMP_GT_OQ>(most, zero),
-            );
+            let outside =
+                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(most, zero));
             let beyond = _mm256_or_ps(
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
@@ -78,16 +76,30 @@ impl Kernels for Avx2 {
                 return Sifted { possible, certain: 0 };
             }
             let sum = spans.sum();
-            let inside = _mm256_or_ps(
-                _mm256_cmp_ps::<_CMP_GT_OQ>(least, zero),
-                _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero),
-            );
+            let inside =
+                _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero));
             let within = _mm256_and_ps(
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.surely_from),
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.surely_to),
             );
             let inside = _mm256_and_ps(inside, _mm256_cmp_ps::<_CMP_ORD_Q>(sum, sum));
             Sifted { possible, certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32 & wanted }
+        }
+    }
+
+    #[inline(always)]
+    fn corners(_: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
+        let (p, lane) = (block.corners.as_ptr().cast::<f32>(), lane & (LANES - 1));
+        let [x, y, z] = frame.rows;
+        // SAFETY: a block has three corners of three rows of eight floats; a lane is at most 7, and a frame's rows begin at 16 at most.
+        unsafe {
+            let (x, y, z) = (p.add(x + lane), p.add(y + lane), p.add(z + lane));
+            const NEXT: usize = 3 * LANES;
+            [
+                [*x, *y, *z],
+                [*x.add(NEXT), *y.add(NEXT), *z.add(NEXT)],
+                [*x.add(2 * NEXT), *y.add(2 * NEXT), *z.add(2 * NEXT)],
+            ]
         }
     }
 
@@ -184,12 +196,27 @@ impl Kernels for Avx2 {
     }
 }
 
-/// The frame's axes, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z. As indices, and as lanes.
-const AXES: [([usize; 3], [i32; 4]); 8] = [Z, Z, Y, Y, Z, X, Y, X];
-/// The axes if the ray moves most along x, y or z.
-const X: ([usize; 3], [i32; 4]) = ([1, 2, 0], [1, 2, 0, 0]);
-const Y: ([usize; 3], [i32; 4]) = ([2, 0, 1], [2, 0, 1, 1]);
-const Z: ([usize; 3], [i32; 4]) = ([0, 1, 2], [0, 1, 2, 2]);
+/// The axes of a frame: where their rows begin in a corner's part of a block, and their lanes.
+#[derive(Clone, Copy)]
+struct Axes {
+    k: [usize; 3],
+    rows: [usize; 3],
+    lanes: [i32; 4],
+}
+
+impl Axes {
+    const fn new(x: usize, y: usize, z: usize) -> Self {
+        let lanes = [x as i32, y as i32, z as i32, z as i32];
+        Self { k: [x, y, z], rows: [x * LANES, y * LANES, z * LANES], lanes }
+    }
+}
+
+/// If the ray moves most along x, y or z.
+const X: Axes = Axes::new(1, 2, 0);
+const Y: Axes = Axes::new(2, 0, 1);
+const Z: Axes = Axes::new(0, 1, 2);
+/// The frame's axes, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
+static AXES: [Axes; 8] = [Z, Z, Y, Y, Z, X, Y, X];
 
 /// [`RayFrame::new`] without a branch: which component is the longest is as good as random. Both halves of a register do the same.
 #[inline(always)]
@@ -197,25 +224,20 @@ fn frames(ray: &Ray) -> (RayFrame, Frame) {
     // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
-        let (origin, direction) = (_mm256_broadcast_ps(&*p.cast()), _mm256_broadcast_ps(&*p.add(3).cast()));
+        let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
         let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), direction);
         // x > y, y > z, and x > z in lane 2.
         let these = _mm256_shuffle_ps::<0b00_00_01_00>(size, size);
         let those = _mm256_shuffle_ps::<0b10_10_10_01>(size, size);
         let longer = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
-        let (k, order) = &AXES[longer];
-        let k = *k;
-        // So says the table; indices need no further check.
-        std::hint::assert_unchecked(k[0] < 3);
-        std::hint::assert_unchecked(k[1] < 3);
-        std::hint::assert_unchecked(k[2] < 3);
-        let order = _mm256_castps_si256(_mm256_broadcast_ps(&*order.as_ptr().cast()));
+        let axes = &AXES[longer];
+        let order = _mm256_castps_si256(load_twice(axes.lanes.as_ptr().cast()));
         let (o, d) = (_mm256_permutevar_ps(origin, order), _mm256_permutevar_ps(direction, order));
         let direction_z = _mm256_permute_ps::<0b10_10_10_10>(d);
         let shear = _mm256_div_ps(d, direction_z);
         let (back, [shear_x, shear_y, _]) = (spread_axes(_mm256_xor_ps(_mm256_set1_ps(-0.0), o)), spread_axes(shear));
         let frame = RayFrame {
-            k,
+            k: axes.k,
             origin: [-_mm256_cvtss_f32(back[0]), -_mm256_cvtss_f32(back[1]), -_mm256_cvtss_f32(back[2])],
             shear: [_mm256_cvtss_f32(shear_x), _mm256_cvtss_f32(shear_y)],
             direction_z: _mm256_cvtss_f32(direction_z),
@@ -223,8 +245,7 @@ fn frames(ray: &Ray) -> (RayFrame, Frame) {
             t_max: ray.t_max,
         };
         let limits = limits(_mm256_set1_ps(ray.t_min), _mm256_set1_ps(ray.t_max), direction_z);
-        let rows = [k[0] * LANES, k[1] * LANES, k[2] * LANES];
-        (frame, Frame { rows, back, shear: [shear_x, shear_y], direction_z, limits })
+        (frame, Frame { rows: axes.rows, back, shear: [shear_x, shear_y], direction_z, limits })
     }
 }
 
@@ -243,6 +264,16 @@ fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
         let [nearest, surely_from, surely_to] = spread_axes(ends);
         Limits { nearest, farthest: _mm256_permute_ps::<0b11_11_11_11>(ends), surely_from, surely_to }
     }
+}
+
+/// Four floats, in both halves of a register.
+///
+/// # Safety
+/// As in `Avx2`; at `p` there are four floats.
+#[inline(always)]
+unsafe fn load_twice(p: *const f32) -> __m256 {
+    // SAFETY: see above.
+    unsafe { _mm256_castsi256_ps(_mm256_broadcastsi128_si256(_mm_castps_si128(_mm_loadu_ps(p)))) }
 }
 
 /// A [`BoxRay`] whose axes lie in the first three lanes of both halves.
@@ -275,27 +306,25 @@ fn usual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
         // Twice in a register, so that the axes can be spread by the fast shuffles, which stay within halves.
-        let (origin, direction) = (_mm256_broadcast_ps(&*p.cast()), _mm256_broadcast_ps(&*p.add(3).cast()));
+        let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
         let sign = _mm256_set1_ps(-0.0);
         let (from, along) = (_mm256_andnot_ps(sign, origin), _mm256_andnot_ps(sign, direction));
         // What is not a number compares as false.
-        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(from, _mm256_broadcast_ps(&*MOST[0].as_ptr().cast()));
-        let short = _mm256_cmp_ps::<_CMP_LE_OQ>(along, _mm256_broadcast_ps(&*MOST[1].as_ptr().cast()));
-        let moves = _mm256_cmp_ps::<_CMP_GE_OQ>(along, _mm256_broadcast_ps(&*LEAST.as_ptr().cast()));
-        if _mm256_movemask_ps(_mm256_and_ps(near, short)) != 0xff
-            || _mm256_movemask_ps(moves) == 0
-            || !(ray.t_min <= ray.t_max)
-            || scale.factor() != 1.0
-        {
+        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(from, load_twice(MOST[0].as_ptr()));
+        let short = _mm256_cmp_ps::<_CMP_LE_OQ>(along, load_twice(MOST[1].as_ptr()));
+        let moves = _mm256_cmp_ps::<_CMP_GE_OQ>(along, load_twice(LEAST.as_ptr()));
+        let is_usual = _mm256_movemask_ps(_mm256_and_ps(near, short)) == 0xff
+            && _mm256_movemask_ps(moves) != 0
+            && ray.t_min <= ray.t_max
+            && scale.factor() == 1.0;
+        if !is_usual {
             return None;
         }
         let (from_y, from_z) =
             (_mm256_shuffle_ps::<0b00_00_10_01>(from, from), _mm256_shuffle_ps::<0b00_01_00_10>(from, from));
         let reach = _mm256_max_ps(_mm256_max_ps(from, from_y), from_z);
-        let slack = _mm256_mul_ps(
-            _mm256_add_ps(reach, _mm256_set1_ps(magnitude)),
-            _mm256_set1_ps(1.0 / (1 << 21) as f32),
-        );
+        let slack =
+            _mm256_mul_ps(_mm256_add_ps(reach, _mm256_set1_ps(magnitude)), _mm256_set1_ps(1.0 / (1 << 21) as f32));
         let signs = _mm256_and_ps(sign, direction);
         let slack = _mm256_or_ps(slack, signs);
         // Sizes compare like integers, which is faster.
@@ -338,10 +367,22 @@ pub(crate) struct WideRay {
     leaves: [__m256; 3],
     t_min: __m256,
     end: __m256,
-    /// 1 where the ray runs down the axis and meets the upper plane first.
+    /// Where in a node of eight the rows of planes begin that are met first.
     near: [usize; 3],
     t_scale: f64,
 }
+
+/// The rows of planes met first, by the directions a ray runs: a bit an axis, 1 for down.
+static NEAR: [[usize; 3]; 8] = {
+    let mut near = [[0; 3]; 8];
+    let mut i = 0;
+    while i < 24 {
+        let (down, axis) = (i / 3, i % 3);
+        near[down][axis] = ((down >> axis & 1) * 3 + axis) * 8;
+        i += 1;
+    }
+    near
+};
 
 impl WideRay {
     #[inline(always)]
@@ -354,7 +395,7 @@ impl WideRay {
                 leaves: spread_axes(ray.leaves),
                 t_min: _mm256_set1_ps(ray.t_min),
                 end: _mm256_set1_ps(ray.end),
-                near: [ray.down & 1, ray.down >> 1 & 1, ray.down >> 2 & 1],
+                near: NEAR[ray.down & 7],
                 t_scale: ray.t_scale,
             }
         }
@@ -381,9 +422,9 @@ fn spread_axes(v: __m256) -> [__m256; 3] {
 #[inline(always)]
 pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m256, __m256) {
     let p = boxes.planes.as_ptr().cast::<f32>();
-    let (nx, ny, nz) = (ray.near[0] * 3 * W, ray.near[1] * 3 * W + W, ray.near[2] * 3 * W + 2 * W);
-    let (fx, fy, fz) = (3 * W - nx, 5 * W - ny, 7 * W - nz);
-    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    let [nx, ny, nz] = ray.near;
+    let (fx, fy, fz) = (3 * 8 - nx, 5 * 8 - ny, 7 * 8 - nz);
+    // SAFETY: every offset is that of one of the six rows of `W` planes, as `NEAR` says.
     unsafe {
         let near_x = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(nx)), ray.inverse[0], ray.enters[0]);
         let near_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(ny)), ray.inverse[1], ray.enters[1]);
@@ -404,12 +445,12 @@ pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxe
 #[inline(always)]
 pub(super) unsafe fn enter_and_leave_few<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m128, __m128) {
     let p = boxes.planes.as_ptr().cast::<f32>();
-    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    // SAFETY: every offset is that of one of the six rows of `W` planes, as `NEAR` says.
     unsafe {
         let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm256_castps256_ps128(ray.end));
         for a in 0..3 {
-            let first = load_few::<W>(p.add((ray.near[a] * 3 + a) * W));
-            let last = load_few::<W>(p.add(((ray.near[a] ^ 1) * 3 + a) * W));
+            let first = load_few::<W>(p.add(ray.near[a] / 8 * W));
+            let last = load_few::<W>(p.add((3 + 2 * a - ray.near[a] / 8) * W));
             let inverse = _mm256_castps256_ps128(ray.inverse[a]);
             near = _mm_max_ps(_mm_fmadd_ps(first, inverse, _mm256_castps256_ps128(ray.enters[a])), near);
             far = _mm_min_ps(_mm_fmadd_ps(last, inverse, _mm256_castps256_ps128(ray.leaves[a])), far);

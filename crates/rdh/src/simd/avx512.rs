@@ -2,11 +2,9 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{
-    Avx2, Frame, Spans, WideRay, enter_and_leave, enter_and_leave_few, spans, store_few,
-};
+use super::avx2::{Avx2, Frame, Spans, WideRay, enter_and_leave, enter_and_leave_few, spans, store_few};
 use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
-use crate::geom::{Ray, RayFrame, Scale};
+use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX-512.
 ///
@@ -61,6 +59,11 @@ impl Kernels for Avx512 {
                 | _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, most, zero);
             Sifted { possible: u32::from(possible), certain: u32::from(certain) }
         }
+    }
+
+    #[inline(always)]
+    fn corners(ray: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
+        Avx2::corners(ray, frame, block, lane)
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@ pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use portable::Portable;
 
-use crate::geom::{Ray, RayFrame, Scale};
+use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// A level of instructions that this CPU has: it can only be made by asking the CPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,6 +127,9 @@ pub(crate) trait Kernels: Copy {
     /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does.
     fn sift<const CERTAIN: bool>(frame: &Self::Frame, block: &Block, wanted: u32) -> Sifted;
 
+    /// The corners of the triangle in a lane of a block, along the frame's axes.
+    fn corners(ray: &RayFrame, frame: &Self::Frame, block: &Block, lane: usize) -> [Vec3; 3];
+
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;
 
@@ -212,7 +215,7 @@ mod tests {
             }
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
-            let on = |level: Level| level.run(Everything { block: &block, frame: RayFrame::new(&ray), values: &values });
+            let on = |level: Level| level.run(Everything { block: &block, ray: &ray, values: &values });
             let portable = on(Level::PORTABLE);
             for level in Level::available() {
                 assert_eq!(on(level), portable, "{}", level.name());

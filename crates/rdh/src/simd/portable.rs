@@ -1,7 +1,7 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
-use crate::geom::{Ray, RayFrame, Scale, larger, smaller};
+use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
 /// Runs a job with what every CPU has. Never inlined: where it is not called, its frame would cost all the same.
 #[inline(never)]
@@ -58,6 +58,11 @@ impl Kernels for Portable {
             sifted.certain |= u32::from(CERTAIN && inside && within) << i;
         }
         Sifted { possible: sifted.possible & wanted, certain: sifted.certain & wanted }
+    }
+
+    #[inline(always)]
+    fn corners(ray: &RayFrame, _: &RayFrame, block: &Block, lane: usize) -> [Vec3; 3] {
+        block.corners_along(lane, ray.k)
     }
 
     #[inline(always)]
