@@ -13,10 +13,12 @@ mod avx2;
 mod avx512;
 mod block;
 mod boxes;
+mod guess;
 mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use guess::guessed;
 pub(crate) use portable::Portable;
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
