@@ -6,7 +6,8 @@ use super::super::pairs::{Metric, Pair};
 use super::super::table::{Key, effects};
 use super::super::view::{Study, ours};
 use super::super::words::{self, digits, percent};
-use super::common::{COSTS, curve_plots, effect, lines_over_x, points};
+use super::common::{COSTS, effect, lines_over_x, points};
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 

@@ -5,7 +5,8 @@ use maud::html;
 use super::super::pairs::Metric;
 use super::super::table::{Key, effects};
 use super::super::view::Study;
-use super::common::{COSTS, curve_plots};
+use super::common::COSTS;
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 
