@@ -40,7 +40,7 @@ impl Site<'_> {
             Source::None => Ok(Lesson::none()),
             Source::Frame(part) => self.this_frame(view, mode, *part),
             Source::Previous(frames) => self.previous(view, mode, *frames),
-            Source::View(name) => Ok(self.cast_from(self.named(name)?, mode, self.plan.training)),
+            Source::View(name) => Ok(self.looking_from(self.named(name)?, mode, self.plan.training)),
             Source::All => Ok(self.all_views(mode)),
         }
     }
@@ -51,7 +51,7 @@ impl Site<'_> {
         found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
     }
 
-    fn cast_from(&self, view: &View, mode: Mode, count: usize) -> Lesson {
+    fn looking_from(&self, view: &View, mode: Mode, count: usize) -> Lesson {
         let plan = Plan { protocol: Protocol::Unseen, training: count, ..self.plan.clone() };
         let (training, secs) = time_thread(|| Shoot::new(self.stage, mode, view, &plan).training(self.first, 0));
         Lesson { training, secs, view: view.name.clone(), frame: self.frame }
@@ -71,7 +71,7 @@ impl Site<'_> {
     /// The rays of an earlier frame. They were cast for that frame's picture, so they cost nothing more.
     fn previous(&self, view: &View, mode: Mode, frames: u32) -> Result<Lesson, String> {
         let lesson = match path_view(self.entry, &view.name, frames)? {
-            Some(earlier) => self.cast_from(&earlier, mode, self.plan.training),
+            Some(earlier) => self.looking_from(&earlier, mode, self.plan.training),
             None => self.earlier_frame(view, mode, frames)?,
         };
         Ok(Lesson { secs: 0.0, ..lesson })
@@ -85,13 +85,13 @@ impl Site<'_> {
         let stage = Stage::new(&scene).map_err(|e| e.to_string())?;
         drop(scene);
         let first = build(stage.mesh(), &Spec::default().to_string())?;
-        Ok(Site { frame, stage: &stage, first: &first, ..*self }.cast_from(view, mode, self.plan.training))
+        Ok(Site { frame, stage: &stage, first: &first, ..*self }.looking_from(view, mode, self.plan.training))
     }
 
     /// As many rays as one view would give, from all views alike.
     fn all_views(&self, mode: Mode) -> Lesson {
         let each = self.plan.training.div_ceil(self.views.len().max(1));
-        let lessons: Vec<Lesson> = self.views.iter().map(|view| self.cast_from(view, mode, each)).collect();
+        let lessons: Vec<Lesson> = self.views.iter().map(|view| self.looking_from(view, mode, each)).collect();
         let samples = lessons.iter().flat_map(|l| l.training.samples().to_vec()).collect();
         // In the order of their hashes, so that every prefix is a fair mixture.
         let training = Training::from_samples(Profile::from_samples(samples, self.plan.seed).samples().to_vec());
