@@ -1,8 +1,8 @@
 //! The effects of every experiment as tables in Markdown, for documents.
 
 use super::effect::Effect;
+use super::group::{Group, Key, group};
 use super::pairs::Metric;
-use super::table::{Group, Key, group};
 use super::view::Study;
 use super::words::digits;
 

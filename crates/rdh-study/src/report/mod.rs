@@ -5,6 +5,7 @@
 //!  sections    one experiment each: what it asks, what was found, tables and figures
 //!  markdown    the effects as plain tables
 //!  shown       which views are worth a picture
+//!  group       which pairs stand in one line
 //!  figure, table, words    plots in two widths; effects as tables; numbers as sentences
 //!  svg         plots
 //!  view        the study as sections see it
@@ -17,6 +18,7 @@
 mod about;
 mod effect;
 mod figure;
+mod group;
 mod markdown;
 mod page;
 mod pairs;

@@ -3,8 +3,9 @@
 use maud::html;
 
 use super::super::effect::{Effect, Verdict};
+use super::super::group::Key;
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects};
+use super::super::table::effects;
 use super::super::view::Study;
 use super::super::words;
 use super::{Chapter, Section};

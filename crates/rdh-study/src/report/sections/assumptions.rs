@@ -2,8 +2,9 @@
 
 use maud::html;
 
+use super::super::group::Key;
 use super::super::pairs::Metric;
-use super::super::table::{Key, effects};
+use super::super::table::effects;
 use super::super::view::Study;
 use super::common::{COSTS, best_of_settings, forest_of};
 use super::curves::curve_plots;

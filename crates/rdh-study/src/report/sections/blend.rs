@@ -2,8 +2,9 @@
 
 use maud::html;
 
+use super::super::group::Key;
 use super::super::pairs::Metric;
-use super::super::table::{Key, effects};
+use super::super::table::effects;
 use super::super::view::Study;
 use super::super::words::{digits, percent};
 use super::common::{COSTS, families, lines_of, lines_over_x};

@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::super::effect::Effect;
 use super::super::figure::figure;
+use super::super::group::{Group, Key, family, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Entry, Line, Upwards, forest, lines};
-use super::super::table::{Group, Key, family, group};
 use super::super::view::Study;
 use super::super::words;
 

@@ -3,9 +3,10 @@
 use maud::{Markup, html};
 
 use super::super::figure::figure;
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Dot, scatter};
-use super::super::table::{Key, effects, group};
+use super::super::table::effects;
 use super::super::view::{Study, ours};
 use super::super::words;
 use super::common::{effect, forest_of};

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
+use super::super::group::{Key, group};
 use super::super::svg::Entry;
-use super::super::table::{Key, group};
 use super::super::view::{Study, ours};
 use super::common::{COSTS, effect, forest_figure};
 

@@ -2,8 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::super::group::Key;
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects};
+use super::super::table::effects;
 use super::super::view::{Study, ours};
 use super::super::words::{self, digits, percent};
 use super::common::{COSTS, effect, lines_over_x, points};

@@ -5,9 +5,10 @@ use rdh_scene::Kind;
 
 use super::super::effect::Effect;
 use super::super::figure::figure;
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Dot, strip};
-use super::super::table::{Key, group, ratio, table};
+use super::super::table::{ratio, table};
 use super::super::view::{Study, ours};
 use super::super::words;
 use super::common::{COSTS, axis_of, effect};

@@ -3,8 +3,9 @@
 use maud::{Markup, html};
 
 use super::super::effect::Effect;
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, against, group, ratio, table};
+use super::super::table::{against, ratio, table};
 use super::super::view::{Study, ours};
 use super::super::words::{self, signed};
 use super::common::{costs_said, effect};

@@ -3,8 +3,9 @@
 use maud::{Markup, html};
 use rdh_scene::Kind;
 
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, group, ratio, table};
+use super::super::table::{effects, ratio, table};
 use super::super::view::Study;
 use super::super::words;
 use super::common::{best_of_settings, effect, forest_of};

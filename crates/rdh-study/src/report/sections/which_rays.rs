@@ -3,9 +3,10 @@
 use maud::{Markup, html};
 
 use super::super::figure::figure;
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Dot, scatter};
-use super::super::table::{Key, effects, group};
+use super::super::table::effects;
 use super::super::view::Study;
 use super::super::words::{self, digits, percent};
 use super::common::{COSTS, effect, families, forest_of, lines_over_x, points};
@@ -51,7 +52,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
 /// Sources without a distance, one by one.
 fn sources(pairs: &[&Pair<'_>]) -> Option<Markup> {
     let at_rest: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| p.x.is_none()).collect();
-    let said = |g: &super::super::table::Group<'_, '_>| {
+    let said = |g: &super::super::group::Group<'_, '_>| {
         Some(format!("{}: {}", g.labels[0], words::said(&effect(&g.pairs, Metric::Steps)?, Metric::Steps)))
     };
     let said: Vec<String> = group(&at_rest, &[Key::Setting]).iter().filter_map(said).collect();
