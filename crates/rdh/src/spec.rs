@@ -46,8 +46,8 @@ impl Spec {
     /// Refuses what cannot be built: a spec made of parts that don't go together.
     pub(crate) fn check(&self) -> Result<(), String> {
         match (&self.structure, &self.heuristic) {
-            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(_)) => {
-                Err("rays can't guide a BVH; bvh goes with sah".to_owned())
+            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(rdh)) if rdh.cap != 0 && rdh.cap != RdhSpec::default().cap => {
+                Err("cap belongs to kd; a bvh counts all rays".to_owned())
             }
             _ => Ok(()),
         }

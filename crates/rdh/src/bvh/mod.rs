@@ -15,6 +15,7 @@ mod spatial;
 mod spec;
 mod split;
 mod trace;
+mod visits;
 
 pub use layout::Tally;
 pub use spec::{BvhSpec, Effort, Width};
@@ -27,9 +28,11 @@ use layout::Arrays;
 use link::Link;
 use spatial::Grown;
 use split::Search;
+use visits::Visits;
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
+use crate::heuristic::Rdh;
 use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::leaf;
 use crate::mem::reserve;
@@ -56,11 +59,11 @@ pub struct Bvh<const W: usize> {
 const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 
 impl<const W: usize> Bvh<W> {
-    /// Builds a hierarchy over a mesh. O(N log N).
+    /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
     ///
     /// # Errors
     /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
-    pub fn build(mesh: &Mesh, spec: &BvhSpec, options: &BuildOptions<'_>) -> Result<Self> {
+    pub fn build(mesh: &Mesh, spec: &BvhSpec, guide: Option<&Rdh>, options: &BuildOptions<'_>) -> Result<Self> {
         if let Some(limit) = options.max_refs.filter(|&limit| limit < mesh.len()) {
             return Err(Error::OverBudget { what: "references", limit });
         }
@@ -92,10 +95,14 @@ impl<const W: usize> Bvh<W> {
             Effort::High => reinsert::reinsert(nodes, parallel, &watch)?,
             _ => nodes,
         };
-        let area = |i: usize| nodes[i].0.half_area();
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;
+        let weights = match guide {
+            Some(rdh) => Visits::measure(&nodes, rdh)?,
+            None => Visits::by_area(&nodes)?,
+        };
         watch.check_cancelled()?;
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, area, |id| mesh.corners(TriId(id)))?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
+        watch.check_cancelled()?;
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, |i| weights.stops[i], |id| mesh.corners(TriId(id)))?;
         let Arrays { nodes, blocks, tally } = arrays;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
