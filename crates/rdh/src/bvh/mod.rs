@@ -102,7 +102,12 @@ impl<const W: usize> Bvh<W> {
         watch.check_cancelled()?;
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
         watch.check_cancelled()?;
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, |i| weights.stops[i], |id| mesh.corners(TriId(id)))?;
+        // Areas say too little about where rays are stopped to be worth dividing by a cost.
+        let first = |i: usize| match guide {
+            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
+            None => weights.stops[i],
+        };
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)))?;
         let Arrays { nodes, blocks, tally } = arrays;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
