@@ -69,7 +69,6 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
-    spec.check().map_err(|reason| Error::Spec { spec: spec.to_string(), reason })?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }

@@ -43,16 +43,6 @@ impl Spec {
         matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
-    /// Refuses what cannot be built: a spec made of parts that don't go together.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        match (&self.structure, &self.heuristic) {
-            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(rdh)) if rdh.cap != 0 && rdh.cap != RdhSpec::default().cap => {
-                Err("cap belongs to kd; a bvh counts all rays".to_owned())
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Parses a list of specs. Commas inside brackets don't separate.
     ///
     /// # Errors
@@ -82,7 +72,6 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
-        spec.check().map_err(fail)?;
         Ok(spec)
     }
 }

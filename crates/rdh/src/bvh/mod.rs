@@ -8,6 +8,7 @@ mod check;
 mod chop;
 mod collapse;
 mod extent;
+mod guided;
 mod layout;
 mod link;
 mod reinsert;
@@ -22,8 +23,10 @@ pub use spec::{BvhSpec, Effort, Width};
 
 use std::sync::Arc;
 
+use binary::ByArea;
 use collapse::{Costs, Cuts};
 use extent::Extent;
+use guided::ByRays;
 use layout::Arrays;
 use link::Link;
 use spatial::Grown;
@@ -88,7 +91,10 @@ impl<const W: usize> Bvh<W> {
             let clipper = TriangleClipper { mesh, scale: scale.factor() };
             spatial::grow(primitives, &clipper, search, most - mesh.len(), &watch)?
         } else {
-            let nodes = binary::grow(&mut primitives, search, &watch)?;
+            let nodes = match guide {
+                Some(rdh) if std::env::var("NOSPLIT").is_err() => binary::grow(&mut primitives, search, &ByRays(rdh), &watch)?,
+                _ => binary::grow(&mut primitives, search, &ByArea, &watch)?,
+            };
             Grown { nodes, ids: ids(&primitives)? }
         };
         let nodes = match spec.effort {

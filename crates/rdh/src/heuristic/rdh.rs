@@ -81,6 +81,23 @@ impl Rdh {
         (all, stopped)
     }
 
+    /// The chances that a ray in a node visits each of some boxes in it, of which each holds the one before; `chances` comes with those
+    /// by area. A ray that meets a box meets all later ones, so the first one is sought. O(R log B + B).
+    pub(crate) fn weigh_nested(&self, rays: &NodeRays, boxes: &[Aabb], chances: &mut [f32]) {
+        let mut starts = vec![0.0; boxes.len() + 1];
+        let mut all = 0.0;
+        for &span in self.counted(rays) {
+            let weight = self.lines[span.ray as usize].weight;
+            all += weight;
+            starts[boxes.partition_point(|b| self.clip(span, b).is_none())] += weight;
+        }
+        let mut sum = 0.0;
+        for (chance, start) in chances.iter_mut().zip(starts) {
+            sum += start;
+            *chance = self.chance(sum, all, *chance);
+        }
+    }
+
     /// The chance that a ray in a node visits a child: `part` of `all` rays do, of the node's area the child has `area`.
     pub(crate) fn chance(&self, part: f32, all: f32, area: f32) -> f32 {
         match self.blend.weight(all) {
