@@ -29,7 +29,7 @@ pub mod summary;
 
 pub use error::{Error, Result};
 pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};
-pub use plan::{Case, Plan, Protocol, Target};
+pub use plan::{Case, Plan, Protocol, Source, Target};
 pub use rows::{Curve, Document, Failure, Mismatch, Over, Row, Summary, Verdict};
 pub use run::{Event, run, run_loading};
 pub use summary::{summarise, summarise_settings};

@@ -6,7 +6,9 @@
 //!  engine     what a competitor has to provide
 //!  options    the command line
 //!  files      meshes, rays and answers
+//!  triangle   a triangle test, for competitors without one
 //!  clock      CPU time
+//!  memory     how much of it is in use
 //! ```
 //! A program's `main` is `rdh_engine_protocol::serve::<MyEngine>()`. `engines/README.md` says how the lines look.
 
@@ -14,7 +16,7 @@ mod cast;
 pub mod clock;
 mod engine;
 mod files;
-pub mod heap;
+pub mod memory;
 mod options;
 mod serve;
 mod triangle;

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, anyhow, bail};
 use rdh_engine_protocol::clock::process_nanos;
-use rdh_engine_protocol::{Built, Engine, Mesh, Ray, heap};
+use rdh_engine_protocol::{Built, Engine, Mesh, Ray, memory};
 use tinybvh_rs::{INFINITE, Intersection, Intersector, Ray as TinyRay, bvh, bvh8_cpu, mbvh};
 
 /// Cargo.toml asks for this one.
@@ -31,7 +31,7 @@ impl Engine for TinyBvh {
         let corners: Vec<[f32; 4]> = mesh.corners().flatten().map(|[x, y, z]| [x, y, z, 0.0]).collect();
         drop(mesh);
         let fail = |e| anyhow!("tinybvh: {e}");
-        let (before, start) = (heap::bytes(), process_nanos());
+        let (before, start) = (memory::resident_bytes(), process_nanos());
         let mut binary = match mode {
             "bvh8" => bvh::BVH::new(corners.as_slice().into()).map_err(fail)?,
             "bvh8-hq" => bvh::BVH::new_hq(corners.as_slice().into()).map_err(fail)?,
@@ -44,7 +44,7 @@ impl Engine for TinyBvh {
         let build_nanos = process_nanos() - start;
         drop(wide);
         drop(binary);
-        let bytes = heap::bytes().saturating_sub(before) as u64;
+        let bytes = memory::resident_bytes().saturating_sub(before) as u64;
         Ok(Built { engine, version: VERSION.to_owned(), build_nanos, bytes })
     }
 

@@ -57,7 +57,6 @@ pub(crate) struct Ours {
 pub(crate) struct Key {
     pub(crate) program: String,
     pub(crate) mode: String,
-    pub(crate) bytes_per_triangle: usize,
 }
 
 impl<'a> Lane<'a> {
@@ -144,9 +143,8 @@ pub(crate) fn groups(engines: &[Registration], triangles: usize, memory_bytes: u
             if groups.iter().flat_map(|group| &group.1).any(same) {
                 continue;
             }
-            let bytes_per_triangle = engine.bytes_per_triangle;
-            let key = Key { program: engine.program.clone(), mode: mode.clone(), bytes_per_triangle };
-            let bytes = (triangles * bytes_per_triangle) as u64;
+            let key = Key { program: engine.program.clone(), mode: mode.clone() };
+            let bytes = (triangles * engine.bytes_per_triangle) as u64;
             match groups.last_mut() {
                 Some((sum, keys)) if *sum + bytes <= memory_bytes => {
                     *sum += bytes;

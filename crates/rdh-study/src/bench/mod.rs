@@ -3,7 +3,8 @@
 //! ```text
 //!  summary      ours against each base, over all scenes; builds
 //!  log          what is found out, appended to a file as it comes
-//!  race         one scene: verified answers, then interleaved rounds
+//!  race         one scene, group by group
+//!  track        its rays and our structures
 //!  heat         one column, one group: answers, then rounds
 //!  lanes        who races: the running engines, in groups that fit into memory, and ours
 //!  verify       answers compared ray by ray
@@ -28,9 +29,11 @@ mod race;
 mod registry;
 mod rows;
 mod summary;
+mod track;
 mod verify;
 
 use crate::error::{Error, Result};
+use race::Race;
 
 pub use columns::Column;
 pub use log::Log;
@@ -74,18 +77,18 @@ pub enum BenchEvent<'a> {
     Done(&'a Record),
 }
 
-/// Races what is planned; what is in `done` already is taken from there.
+/// Races what is planned; what is recorded already is taken from there.
 ///
 /// # Errors
 /// A plan that asks for nothing or for nonsense, or no place for the files. What goes wrong with one scene or one engine is
 /// in the document, and the others go on.
-pub fn bench(plan: &BenchPlan, done: &[Record], see: &mut dyn FnMut(&BenchEvent<'_>)) -> Result<BenchDocument> {
+pub fn bench(plan: &BenchPlan, recorded: &[Record], see: &mut dyn FnMut(&BenchEvent<'_>)) -> Result<BenchDocument> {
     plan.check()?;
     let folder = tempfile::tempdir().map_err(|e| Error::Plan(format!("there is no place for the rays' files: {e}")))?;
-    let mut document = BenchDocument::new(plan, done);
-    for (index, target) in plan.targets.iter().enumerate() {
-        let race = race::Race { plan, target, folder: folder.path(), done: index };
-        race.run(&mut document, done, see);
+    let mut document = BenchDocument::new(plan, recorded);
+    for (done, target) in plan.targets.iter().enumerate() {
+        let mut race = Race { plan, target, folder: folder.path(), done, document: &mut document, see: &mut *see };
+        race.run(recorded);
     }
     document.summarise();
     Ok(document)

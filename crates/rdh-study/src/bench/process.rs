@@ -104,6 +104,8 @@ impl Process {
 
     /// The answers of all rays of a file: a distance, 0 for an occlusion; infinite for a miss.
     pub(crate) fn answers(&mut self, form: Form, query: Query, file: &Path) -> Result<Vec<f32>, Trouble> {
+        // What is read below must be what it writes now.
+        std::fs::remove_file(&self.answers).ok();
         self.ask(&format!("answers {} {} {}", form.name(), name(query), file.display()))?;
         let RaysAnswer { rays } = self.answer()?;
         let answers = files::read_answers(&self.answers).map_err(|e| Trouble::Failed(e.to_string()))?;

@@ -17,8 +17,10 @@ pub struct Registration {
     pub pace: Pace,
     /// Which queries it has.
     pub queries: Queries,
-    /// Memory of its program at the most, in bytes a triangle: its build, its tree and its copies of the mesh.
+    /// Memory of its program once it has built, in bytes a triangle: its tree and its copies of the mesh.
     pub bytes_per_triangle: usize,
+    /// It takes no part in larger scenes, where it would build for minutes.
+    pub most_triangles: usize,
 }
 
 /// How rays are handed over.
@@ -63,7 +65,7 @@ impl Form {
 pub fn known_engines() -> Vec<Registration> {
     let embree = |name: &str, program: &str, form, modes: &[&str]| Registration {
         form,
-        bytes_per_triangle: 450,
+        bytes_per_triangle: 110,
         ..Registration::new(name, program, modes)
     };
     let slow = |name: &str, program: &str, modes: &[&str], bytes_per_triangle| Registration {
@@ -84,9 +86,9 @@ pub fn known_engines() -> Vec<Registration> {
             queries: Queries::Closest,
             ..Registration::new("tinybvh", "rdh-engine-tinybvh", &["bvh8", "bvh8-hq"])
         },
-        slow("parry3d", "rdh-engine-parry3d", &["default"], 600),
-        slow("bvh", "rdh-engine-bvh", &["default"], 800),
-        slow("kdtree-ray", "rdh-engine-kdtree-ray", &["default"], 1500),
+        slow("parry3d", "rdh-engine-parry3d", &["default"], 120),
+        slow("bvh", "rdh-engine-bvh", &["default"], 270),
+        Registration { most_triangles: 2_500_000, ..slow("kdtree-ray", "rdh-engine-kdtree-ray", &["default"], 700) },
     ]
 }
 
@@ -100,7 +102,8 @@ impl Registration {
             form: Form::Single,
             pace: Pace::Full,
             queries: Queries::Both,
-            bytes_per_triangle: 600,
+            bytes_per_triangle: 170,
+            most_triangles: usize::MAX,
         }
     }
 

@@ -175,7 +175,7 @@ pub struct BuildSummary {
 /// A competitor that isn't there.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Skipped {
-    /// The competitor, with its mode if others are there.
+    /// The competitor; if it is one of its modes only, the reason says so.
     pub engine: String,
     /// Why.
     pub reason: String,

@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use rand_pcg::Pcg32;
-use rand_pcg::rand_core::Rng;
 use rdh_scene::Kind;
 
 use super::pairs::{Metric, Pair};
-use crate::stats::{RESAMPLES, cluster_bootstrap, geometric_mean};
+use crate::stats::{geometric_mean, stratified_bootstrap, stratified_mean};
 
-/// The bootstrap's seed: a report of the same records is the same report.
+/// The bootstrap's seed, the same as that of the summaries: equal rows, equal intervals.
 const SEED: u64 = 0x5eed;
 
 /// What many pairs say about one metric. Ratios are ours / theirs: below 1 is better.
@@ -50,15 +48,14 @@ impl Effect {
     /// The effect over pairs; nothing if none of them has the metric.
     pub(super) fn of<'p, 'r: 'p>(pairs: impl IntoIterator<Item = &'p Pair<'r>>, metric: Metric) -> Option<Self> {
         let mut tally = Tally::new(pairs, metric)?;
-        let interval = cluster_bootstrap(&tally.clusters(), SEED)?;
-        tally.effect.interval = interval;
+        tally.effect.interval = stratified_bootstrap(&[tally.clusters()], SEED)?;
         Some(tally.effect)
     }
 
     /// The effect over plain ratios, each with its scene.
     pub(super) fn of_ratios<'s>(ratios: impl IntoIterator<Item = (&'s str, f64)>) -> Option<Self> {
         let mut tally = Tally::of(ratios.into_iter().map(|(scene, ratio)| (scene, ratio, [ratio; 2])))?;
-        tally.effect.interval = cluster_bootstrap(&tally.clusters(), SEED)?;
+        tally.effect.interval = stratified_bootstrap(&[tally.clusters()], SEED)?;
         Some(tally.effect)
     }
 
@@ -66,17 +63,18 @@ impl Effect {
     pub(super) fn by_kind<'p, 'r: 'p>(pairs: impl IntoIterator<Item = &'p Pair<'r>>, metric: Metric) -> Option<Self> {
         let mut kinds: BTreeMap<Kind, Vec<&Pair<'r>>> = BTreeMap::new();
         let all: Vec<&Pair<'r>> = pairs.into_iter().inspect(|p| kinds.entry(p.kind).or_default().push(p)).collect();
-        let strata: Vec<Tally> = kinds.into_values().filter_map(|p| Tally::new(p, metric)).collect();
-        let mut effect = Tally::new(all, metric)?.effect;
-        let log_means: Vec<f64> = strata.iter().map(|s| s.effect.mean.ln()).collect();
-        effect.mean = (log_means.iter().sum::<f64>() / log_means.len() as f64).exp();
-        effect.interval = stratified_interval(&strata);
-        Some(effect)
+        let of_kind = |pairs: Vec<&Pair<'r>>| Some(Tally::new(pairs, metric)?.clusters());
+        let strata: Vec<Vec<Vec<f64>>> = kinds.into_values().filter_map(of_kind).collect();
+        let effect = Tally::new(all, metric)?.effect;
+        let (mean, interval) = (stratified_mean(&strata), stratified_bootstrap(&strata, SEED)?);
+        Some(Self { mean, interval, ..effect })
     }
 
+    /// A single pair shows a difference, but not how sure it is.
     pub(super) fn verdict(&self) -> Verdict {
         match self.interval {
             [low, high] if low >= 0.99 && high <= 1.01 => Verdict::Same,
+            _ if self.n < 2 => Verdict::Open,
             [_, high] if high < 1.0 => Verdict::Better,
             [low, _] if low > 1.0 => Verdict::Worse,
             _ => Verdict::Open,
@@ -128,23 +126,4 @@ impl Tally {
 fn own_interval(pair: &Pair<'_>, metric: Metric, ratio: f64) -> [f64; 2] {
     let rounds = if metric == Metric::Time { pair.time_interval() } else { None };
     rounds.unwrap_or([ratio; 2])
-}
-
-/// Draws scenes anew within each kind, and averages the kinds.
-fn stratified_interval(strata: &[Tally]) -> [f64; 2] {
-    let sums = |s: &Tally| s.clusters().iter().map(|c| (c.iter().map(|r| r.ln()).sum(), c.len())).collect();
-    let strata: Vec<Vec<(f64, usize)>> = strata.iter().map(sums).collect();
-    let mut random = Pcg32::new(SEED, 1);
-    let mut means: Vec<f64> = (0..RESAMPLES)
-        .map(|_| strata.iter().map(|s| resampled_mean(s, &mut random)).sum::<f64>() / strata.len() as f64)
-        .collect();
-    means.sort_unstable_by(f64::total_cmp);
-    let last = means.len() - 1;
-    [0.025, 0.975].map(|p| means[(p * last as f64).round() as usize].exp())
-}
-
-fn resampled_mean(sums: &[(f64, usize)], random: &mut Pcg32) -> f64 {
-    let draw = |_| sums[((u64::from(random.next_u32()) * sums.len() as u64) >> 32) as usize];
-    let (sum, count) = (0..sums.len()).map(draw).fold((0.0, 0), |(s, n), (ds, dn)| (s + ds, n + dn));
-    sum / count.max(1) as f64
 }

@@ -130,8 +130,8 @@ fn summary(study: &Study<'_>, sections: &[(&Chapter, &Section)]) -> Markup {
             section #summary.summary {
                 h2 { "In short" }
                 (glance(study))
-                ul { @for (chapter, finding) in found { li { a href=(format!("#{}", chapter.id)) { (chapter.title) } (finding) "." } } }
                 (legend())
+                ul { @for (chapter, finding) in found { li { a href=(format!("#{}", chapter.id)) { (chapter.title) } (finding) "." } } }
             }
         }
     }

@@ -49,6 +49,8 @@ pub(super) enum Metric {
     Build,
     /// Build, and the acquisition of the training rays.
     BuildAndRays,
+    /// All of it: build, training rays, and casting the rays that were counted once.
+    Frame,
     Bytes,
     References,
     /// The 99.9th percentile of steps + tests.
@@ -69,6 +71,7 @@ impl Metric {
             Self::Time => "time",
             Self::Build => "build",
             Self::BuildAndRays => "build + rays",
+            Self::Frame => "whole frame",
             Self::Bytes => "memory",
             Self::References => "references",
             Self::Worst => "99.9th percentile",
@@ -82,6 +85,7 @@ impl Metric {
             Self::Time => cost.nanos,
             Self::Build => cost.build_secs * 1e9,
             Self::BuildAndRays => (cost.build_secs + cost.rrs_secs) * 1e9,
+            Self::Frame => (cost.build_secs + cost.rrs_secs) * 1e9 + cost.nanos,
             Self::Bytes => cost.bytes,
             Self::References => cost.references,
             Self::Worst => return cost.worst,

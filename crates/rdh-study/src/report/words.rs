@@ -113,6 +113,12 @@ pub(super) fn kind(kind: Kind) -> &'static str {
     }
 }
 
+/// The words with a capital first letter.
+pub(super) fn capital(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Joins parts as prose does: `a, b and c`.
 pub(super) fn list(parts: &[String]) -> String {
     match parts {
@@ -129,6 +135,7 @@ fn noun(metric: Metric) -> &'static str {
         Metric::Time => "time",
         Metric::Build => "build time",
         Metric::BuildAndRays => "time for the build and its training rays",
+        Metric::Frame => "time for build, training rays and this frame",
         Metric::Bytes => "memory",
         Metric::References => "references",
         Metric::Worst => "cost at the 99.9th percentile",

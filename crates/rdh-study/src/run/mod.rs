@@ -2,6 +2,7 @@
 
 mod build;
 mod case;
+mod site;
 mod trial;
 
 use rayon::ThreadPool;
@@ -14,6 +15,7 @@ use crate::plan::{Case, Plan, Target};
 use crate::rows::{Document, Failure, Mismatch, Row};
 use crate::summary::summarise;
 pub use build::{Built, Lesson, build_interleaved};
+pub use site::Site;
 pub(crate) use trial::in_pool;
 pub use trial::{Outcome, Trial};
 
@@ -120,6 +122,8 @@ struct Prepared<'t> {
     target: &'t Target,
     frame: u32,
     stage: Stage,
+    /// All views, wanted or not.
+    views: Vec<View>,
     shared: Vec<Built>,
     /// The tree that rays are made with, if no spec of the plan can: it counts nowhere.
     helper: Option<Built>,
@@ -158,9 +162,10 @@ impl Study<'_, '_> {
         let triangles = stage.mesh().len();
         (self.observer)(&Event::Loaded { scene: &target.entry.id, frame, triangles, notes: &scene.notes });
         let views = target.resolve(&scene.views, || stage.overview())?;
+        let all = Target::all(target.entry.clone()).resolve(&scene.views, || stage.overview())?;
         // The mesh is in the stage now; two copies of a large scene would be one too many.
         drop(scene);
-        let mut prepared = Prepared { target, frame, stage, shared: Vec::new(), helper: None };
+        let mut prepared = Prepared { target, frame, stage, views: all, shared: Vec::new(), helper: None };
         let needs_no_rays: Vec<Spec> = self.plan.specs.iter().filter(|s| !s.needs_rays()).copied().collect();
         prepared.shared = self.build_all(&prepared, None, &needs_no_rays, &Lesson::none());
         if prepared.shared.is_empty() {

@@ -12,7 +12,7 @@ use crate::clock::time_thread;
 use crate::integrate::{Mode, RayBatch, Shoot, Stage, derived_seed};
 use crate::plan::{Case, Plan, Protocol, Target};
 use crate::rows::{Failure, Row};
-use crate::run::{Built, Lesson, Load, Trial, build_interleaved, in_pool};
+use crate::run::{Built, Lesson, Load, Site, Trial, build_interleaved, in_pool};
 
 /// A scene at a frame, with a tree that rays are made with.
 pub struct Lab<'a> {
@@ -113,6 +113,11 @@ impl<'a> Lab<'a> {
         found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
     }
 
+    /// All views.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
     /// Another view than the named one: the last that the scene has.
     pub fn another_view(&self, name: &str) -> Option<View> {
         self.views.iter().rfind(|v| v.name != name).cloned()
@@ -142,6 +147,12 @@ impl<'a> Lab<'a> {
         let cast = |ray: &Ray| RaySample::new(*ray, self.first.closest(ray), Query::Closest, RayClass::Other);
         let (samples, secs) = time_thread(|| lines.iter().map(cast).collect());
         Lesson { training: Training::from_samples(samples), secs, view: "uniform lines".to_owned(), frame: self.frame }
+    }
+
+    /// The scene as a place to cast training rays from any view.
+    pub fn site(&self) -> Site<'_> {
+        let Self { plan, entry, frame, stage, first, views, load, .. } = self;
+        Site { entry, frame: *frame, stage, first, views, plan, load: *load }
     }
 
     /// A fair sample of at most `count` of the test rays of a view in a mode, with where they end: to weigh trees by, in

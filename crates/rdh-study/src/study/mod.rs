@@ -7,6 +7,8 @@
 //!  plan, shard  what a study is made of, and which part of it is whose
 //!  experiment   the questions, one file each: which jobs, and how one is done
 //!  bound        optimal trees, and searches for better ones
+//!  coverage     how much of where new rays go is known
+//!  skeleton     a kd-tree taken apart
 //!  lines        uniform lines
 //!  lab          a scene made ready, its rays, its structures, the instruments
 //!  scope        which scenes, views and modes there are
@@ -14,6 +16,7 @@
 //! ```
 
 pub mod bound;
+pub mod coverage;
 pub mod experiment;
 pub mod lab;
 pub mod lines;
@@ -24,6 +27,7 @@ pub mod record;
 pub mod runner;
 pub mod scope;
 pub mod shard;
+pub mod skeleton;
 
 pub use experiment::{EXPERIMENTS, Experiment};
 pub use lab::{Entrant, Lab, Setting};

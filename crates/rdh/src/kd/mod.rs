@@ -16,12 +16,14 @@ mod spec;
 mod split;
 mod stop;
 mod trace;
+mod walk;
 
 pub use cost::Costs;
 pub use layout::Tally;
 pub use node::{Node, NodeKind};
 pub use reference::Reference;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
+pub use walk::Shown;
 
 use std::sync::Arc;
 
@@ -91,23 +93,19 @@ impl KdTree {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut collector = leaf::Closest::default();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
-        collector.0
+        self.level.run(trace::Walk::<_, leaf::Closest> { tree: self, ray, probe, start: () })
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        let mut collector = leaf::Any::default();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
-        collector.0
+        self.level.run(trace::Walk::<_, leaf::Any> { tree: self, ray, probe, start: () })
     }
 
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut leaf::All(hits) });
+        self.level.run(trace::Walk::<_, leaf::All<'_>> { tree: self, ray, probe, start: hits });
         leaf::in_order(hits);
     }
 
@@ -145,28 +143,6 @@ impl KdTree {
         hash.update(bytemuck::cast_slice(&self.lines));
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
-    }
-
-    /// Visits all leaves, left to right: cell, depth, triangles.
-    pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, &[u32])) {
-        let back = 1.0 / self.scale.factor();
-        let mut ids = Vec::new();
-        let mut todo = vec![(self.root, self.bounds, 0)];
-        while let Some((node, cell, depth)) = todo.pop() {
-            match node.kind() {
-                NodeKind::Interior { axis, split, pair } => {
-                    let (left, right) = cell.split(axis, split);
-                    let [l, r] = self.pairs()[pair as usize];
-                    todo.extend([(r, right, depth + 1), (l, left, depth + 1)]);
-                }
-                NodeKind::Leaf { block, lane, count } => {
-                    ids.clear();
-                    let lanes = self.blocks[block as usize..].iter().flat_map(|b| b.ids);
-                    ids.extend(lanes.skip(lane as usize).take(count as usize));
-                    visit(Aabb { min: cell.min.map(|x| x * back), max: cell.max.map(|x| x * back) }, depth, &ids);
-                }
-            }
-        }
     }
 }
 

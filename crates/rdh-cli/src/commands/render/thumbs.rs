@@ -1,7 +1,7 @@
 //! Small pictures of one view for a report: the view, slices, steps and tests, without titles of their own.
 
 use anyhow::Result;
-use rdh::{Axis, Spec};
+use rdh::{Axis, Spec, TriId};
 use rdh_study::{Mode, Plan};
 
 use super::heat::{Map, common_end, differences, map};
@@ -24,6 +24,8 @@ pub(crate) struct Thumbnail {
 }
 
 const SIDE: usize = 224;
+/// Enough to know where most of them are.
+const SAMPLED_TRIANGLES: usize = 20_000;
 /// Pictures of few colours are small files, and no eye tells more shades apart.
 const SHADES: f64 = 40.0;
 
@@ -35,6 +37,7 @@ pub(crate) fn thumbnails(staged: &Staged, specs: &[Spec], seed: u64) -> Result<V
         specs.iter().map(|&spec| Ok(Built { spec, accel: staged.build(&spec, &training)? })).collect::<Result<_>>()?;
     let plane = Slice { axis: upright_axis(staged), place: Place::Part(0.5) };
     let mut first = vec![view(&request, staged, &built[0])];
+    let request = Request { zoom: zoom(staged), ..request };
     let panels = slice::panels(&request, plane, staged, &built, &training)?;
     first.extend(panels.into_iter().map(|s| sliced(staged, s)));
     Ok(vec![first, heats(&request, Heat::Steps, staged, &built), heats(&request, Heat::Tests, staged, &built)])
@@ -59,6 +62,23 @@ fn upright_axis(staged: &Staged) -> Axis {
     let extent = staged.stage.bounds().extent();
     let thinner = |a: &Axis, b: &Axis| extent[a.index()].total_cmp(&extent[b.index()]);
     [Axis::X, Axis::Y, Axis::Z].into_iter().min_by(thinner).unwrap_or(Axis::Z)
+}
+
+/// How much a slice is magnified, so that a wide ground around a scene doesn't make it a dot: by how much the box of the scene
+/// is larger than that of nine tenths of its triangles, with some room around them.
+fn zoom(staged: &Staged) -> f32 {
+    let (mesh, extent) = (staged.stage.mesh(), staged.stage.bounds().extent());
+    let step = (mesh.len() / SAMPLED_TRIANGLES).max(1);
+    let middle = |axis: usize| {
+        let mut places: Vec<f32> =
+            (0..mesh.len()).step_by(step).map(|i| mesh.corners(TriId(i as u32))[0][axis]).collect();
+        places.sort_unstable_by(f32::total_cmp);
+        let at = |part: usize| places.get(places.len() * part / 100).copied().unwrap_or(0.0);
+        at(95) - at(5)
+    };
+    let (longest, inner) =
+        (extent.into_iter().fold(0.0, f32::max), [0, 1, 2].map(middle).into_iter().fold(0.0, f32::max));
+    if inner > 0.0 { (longest / (1.5 * inner)).clamp(1.0, 16.0) } else { 1.0 }
 }
 
 fn view(request: &Request, staged: &Staged, built: &Built) -> Thumbnail {

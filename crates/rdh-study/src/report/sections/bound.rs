@@ -7,7 +7,8 @@ use super::super::svg::Entry;
 use super::super::table::{ratio, table};
 use super::super::view::Study;
 use super::super::words;
-use super::common::{curve_plots, forest_figure};
+use super::common::forest_figure;
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 
@@ -39,7 +40,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         }
         (forest_figure(&entries(&series), "cost, ratio to the base: left of 1 is better", &caption))
         (trees_table(&series))
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
     };
     Some(Section { findings: groups(&series).into_iter().filter_map(|g| finding(&g, &series)).collect(), body })
 }
@@ -53,9 +54,12 @@ struct Series {
     effects: [Option<Effect>; 3],
 }
 
+/// Of each of [`QUANTITIES`]: scenes, and ratios in them.
+type Ratios<'c> = [Vec<(&'c str, f64)>; 3];
+
 /// Curves of single points, named `quantity: group, tree`.
 fn all_series(curves: &[&Curve]) -> Vec<Series> {
-    let mut named: Vec<(String, String, [Vec<(&str, f64)>; 3])> = Vec::new();
+    let mut named: Vec<(String, String, Ratios<'_>)> = Vec::new();
     for curve in curves {
         let [point] = curve.points[..] else { continue };
         let Some((quantity, name)) = curve.name.split_once(": ") else { continue };
@@ -67,7 +71,7 @@ fn all_series(curves: &[&Curve]) -> Vec<Series> {
         });
         named[at].2[index].push((&curve.scene, point[1]));
     }
-    let series = |(group, tree, ratios): (String, String, [Vec<(&str, f64)>; 3])| Series {
+    let series = |(group, tree, ratios): (String, String, Ratios<'_>)| Series {
         group,
         tree,
         effects: ratios.map(Effect::of_ratios),
@@ -81,7 +85,7 @@ fn parts(name: &str, spec: &str) -> (String, String) {
     let leaves = if spec.contains("leaf=1") { "tests of single triangles" } else { "tests of eight triangles" };
     let heuristic = if spec.contains("rdh") { "rdh" } else { "sah" };
     let tree = if tree.starts_with("built") { format!("{tree}, {heuristic}") } else { tree.to_owned() };
-    (format!("{group}, {leaves}"), tree)
+    (words::capital(&format!("{group}, {leaves}")), tree)
 }
 
 fn groups(series: &[Series]) -> Vec<String> {
@@ -122,13 +126,19 @@ fn entries(series: &[Series]) -> Vec<Entry> {
 }
 
 fn trees_table(series: &[Series]) -> Markup {
-    let row = |s: &Series| {
-        let mut row = vec![html! { (s.group) }, html! { (s.tree) }];
-        row.extend(s.effects.map(|e| e.map_or_else(|| html! { "–" }, |e| ratio(&e))));
-        row
-    };
-    let heads = ["group", "tree", ">cost", ">steps", ">tests"];
-    table("The bound, and what is on the way to it", &heads, &series.iter().map(row).collect::<Vec<_>>())
+    let mut rows = Vec::new();
+    for group in groups(series) {
+        rows.push(vec![html! { (group) }]);
+        rows.extend(series.iter().filter(|s| s.group == group).map(row));
+    }
+    table("The bound, and what is on the way to it", &["tree", ">scenes", ">cost", ">steps", ">tests"], &rows)
+}
+
+fn row(series: &Series) -> Vec<Markup> {
+    let scenes = series.effects[0].map_or(0, |e| e.scenes);
+    let mut row = vec![html! { (series.tree) }, html! { (scenes) }];
+    row.extend(series.effects.map(|e| e.map_or_else(|| html! { "–" }, |e| ratio(&e))));
+    row
 }
 
 #[cfg(test)]
@@ -137,9 +147,9 @@ mod tests {
 
     #[test]
     fn names_are_taken_apart() {
-        let expected = ("lattice, tests of single triangles".to_owned(), "built, rdh".to_owned());
+        let expected = ("Lattice, tests of single triangles".to_owned(), "built, rdh".to_owned());
         assert_eq!(parts("lattice, built", "kd(leaf=1)+rdh"), expected);
-        let expected = ("search, tests of eight triangles".to_owned(), "searched by rays".to_owned());
+        let expected = ("Search, tests of eight triangles".to_owned(), "searched by rays".to_owned());
         assert_eq!(parts("search, searched by rays", "kd+rdh"), expected);
     }
 }

@@ -1,16 +1,14 @@
 //! What several sections are made of.
 
 use maud::{Markup, html};
-use rdh::Spec;
 
 use super::super::effect::Effect;
 use super::super::figure::figure;
 use super::super::pairs::{Metric, Pair};
 use super::super::svg::{Entry, Line, Upwards, forest, lines};
-use super::super::table::{Group, Key, group};
+use super::super::table::{Group, Key, family, group};
 use super::super::view::Study;
 use super::super::words;
-use crate::rows::Curve;
 
 /// What is compared wherever rays are cast.
 pub(super) const COSTS: [Metric; 3] = [Metric::Steps, Metric::Tests, Metric::Time];
@@ -117,20 +115,13 @@ fn line_figure(drawn: &[Line], metric: Metric, across: &str, caption: &Markup) -
 pub(super) fn families<'p, 'r>(pairs: &[&'p Pair<'r>]) -> Vec<(String, Vec<&'p Pair<'r>>)> {
     let mut families: Vec<(String, Vec<&Pair<'_>>)> = Vec::new();
     for &pair in pairs.iter().filter(|p| p.x.is_some()) {
-        let name = family(pair.setting);
+        let name = family(pair);
         match families.iter_mut().find(|f| f.0 == name) {
             Some(found) => found.1.push(pair),
             None => families.push((name, vec![pair])),
         }
     }
     families
-}
-
-/// The setting without its number.
-fn family(setting: &str) -> String {
-    let is_word = |word: &&str| word.parse::<f64>().is_err();
-    let words = setting.split([' ', ':', '=']).filter(|w| !w.is_empty()).filter(is_word);
-    words.collect::<Vec<_>>().join(" ")
 }
 
 /// The lines of one family.
@@ -158,84 +149,4 @@ pub(super) fn points(pairs: &[&Pair<'_>], metric: Metric) -> Vec<[f64; 4]> {
         effect(&here, metric).map(|e| [x, e.mean, e.interval[0], e.interval[1]])
     };
     xs.into_iter().filter_map(at).collect()
-}
-
-/// All curves as figures: those over one quantity, whose names begin alike (up to the first comma), share a plot.
-pub(super) fn curve_plots(curves: &[&Curve]) -> Markup {
-    let mut plots: Vec<((&str, &str), Vec<&Curve>)> = Vec::new();
-    for &curve in curves.iter().filter(|c| c.points.len() > 1) {
-        let key = (curve.across.as_str(), stem(&curve.name));
-        match plots.iter_mut().find(|p| p.0 == key) {
-            Some(found) => found.1.push(curve),
-            None => plots.push((key, vec![curve])),
-        }
-    }
-    html! { @for ((across, name), curves) in &plots { (curve_plot(curves, across, name)) } }
-}
-
-fn stem(name: &str) -> &str {
-    name.split_once(',').map_or(name, |parts| parts.0).trim()
-}
-
-fn curve_plot(curves: &[&Curve], across: &str, name: &str) -> Markup {
-    let drawn: Vec<Line> = mean_curves(curves).into_iter().enumerate().map(plain_line).collect();
-    let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
-    let says = format!("Line plot: {name} over {across}");
-    let caption = html! { (name) ", over " (across) "; weighted means over all views." };
-    figure(&caption, &legend, |width| lines(&drawn, Upwards::Values, [across, name], &says, width))
-}
-
-fn plain_line((series, (name, points)): (usize, (String, Vec<[f64; 2]>))) -> Line {
-    Line { series, name, points: points.iter().map(|p| [p[0], p[1], p[1], p[1]]).collect() }
-}
-
-/// Curves of one name and spec as one: the weighted means at each x.
-pub(super) fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
-    let mut named: Vec<(&str, Spec, Vec<[f64; 3]>)> = Vec::new();
-    for curve in curves {
-        let points = curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite()) && p[2] > 0.0);
-        match named.iter_mut().find(|n| n.0 == curve.name && n.1 == curve.spec) {
-            Some(found) => found.2.extend(points),
-            None => named.push((&curve.name, curve.spec, points.copied().collect())),
-        }
-    }
-    let one_spec = named.iter().all(|n| n.1 == named[0].1);
-    let one_name = named.iter().all(|n| n.0 == named[0].0);
-    let label = |name: &str, spec: &Spec| {
-        let tail = name.split_once(',').map_or(name, |parts| parts.1.trim());
-        match (one_name, one_spec) {
-            (true, _) => spec.to_string(),
-            (_, true) => tail.to_owned(),
-            _ => format!("{tail}, {spec}"),
-        }
-    };
-    named.iter().map(|(name, spec, points)| (label(name, spec), weighted_means(points.clone()))).collect()
-}
-
-fn weighted_means(mut points: Vec<[f64; 3]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mean = |same: &[[f64; 3]]| {
-        let weight: f64 = same.iter().map(|p| p[2]).sum();
-        [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight]
-    };
-    points.chunk_by(|a, b| a[0] == b[0]).map(mean).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn settings_that_differ_in_a_number_are_a_family() {
-        let names =
-            ["previous:4", "1000 training rays", "weight of the rays 0.25", "view:inside", "areas worth 16 rays"];
-        let expected = ["previous", "training rays", "weight of the rays", "view inside", "areas worth rays"];
-        assert_eq!(names.map(family), expected);
-    }
-
-    #[test]
-    fn weights_count_and_equal_places_join() {
-        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [1.0, 4.0, 2.0]]);
-        assert_eq!(means, [[1.0, 3.0], [2.0, 5.0]]);
-    }
 }

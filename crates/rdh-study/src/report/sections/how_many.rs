@@ -6,7 +6,8 @@ use super::super::pairs::{Metric, Pair};
 use super::super::table::{Key, effects};
 use super::super::view::{Study, ours};
 use super::super::words::{self, digits, percent};
-use super::common::{COSTS, curve_plots, effect, lines_over_x, points};
+use super::common::{COSTS, effect, lines_over_x, points};
+use super::curves::curve_plots;
 use super::{Chapter, Section};
 use crate::rows::Curve;
 
@@ -29,7 +30,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let body = html! {
         (lines_over_x(study, &pairs, Metric::Steps, across, &caption(Metric::Steps)))
         (lines_over_x(study, &pairs, Metric::Time, across, &caption(Metric::Time)))
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
         (effects("By the number of training rays", &pairs, &[Key::Setting, Key::Spec], &COSTS))
     };
     Some(Section { findings, body })

@@ -31,6 +31,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         (strip_of(&pairs, Metric::Steps))
         (strip_of(&pairs, Metric::Time))
         (by_kind(&pairs))
+        (lone_kinds(&pairs))
     };
     Some(Section { findings: finding(&pairs).into_iter().collect(), body })
 }
@@ -64,29 +65,44 @@ fn dots(pairs: &[&Pair<'_>], kind: Kind, metric: Metric) -> Option<(String, Vec<
     (!dots.is_empty()).then_some((name, dots))
 }
 
+/// What an interval can't know.
+fn lone_kinds(pairs: &[&Pair<'_>]) -> Markup {
+    let lone = group(pairs, &[Key::Kind]).into_iter().filter(|g| {
+        let first = &g.pairs[0].job.scene;
+        g.pairs.iter().all(|p| p.job.scene == *first)
+    });
+    let lone: Vec<String> =
+        lone.map(|g| format!("{} scenes are but one, {}", g.labels[0], g.pairs[0].job.scene)).collect();
+    html! {
+        @if !lone.is_empty() {
+            p.note { (words::capital(&words::list(&lone))) ": intervals know how its views differ, not how scenes of this kind would." }
+        }
+    }
+}
+
 /// A line for each kind, and one in which they count alike.
 fn by_kind(pairs: &[&Pair<'_>]) -> Markup {
     let mut rows = Vec::new();
     for mode in group(pairs, &[Key::Mode]) {
         let kinds = group(&mode.pairs, &[Key::Kind]);
-        let mut label = mode.labels[0].as_str();
+        rows.push(vec![html! { (mode.labels[0]) }]);
         for kind in &kinds {
             let of = |metric| Effect::of(kind.pairs.iter().copied(), metric);
-            rows.push(row(std::mem::take(&mut label), &kind.labels[0], kind.pairs.len(), of));
+            rows.push(row(&kind.labels[0], kind.pairs.len(), of));
         }
         if kinds.len() > 1 {
-            rows.push(row("", "each kind alike", mode.pairs.len(), |metric| {
+            rows.push(row("each kind alike", mode.pairs.len(), |metric| {
                 Effect::by_kind(mode.pairs.iter().copied(), metric)
             }));
         }
     }
-    let heads = ["rays", "kind of scene", ">pairs", ">steps", ">tests", ">time", ">slower"];
+    let heads = ["kind of scene", ">pairs", ">steps", ">tests", ">time", ">slower"];
     table(&format!("{} by kind of scene", ours()), &heads, &rows)
 }
 
-fn row(mode: &str, kind: &str, n: usize, of: impl Fn(Metric) -> Option<Effect>) -> Vec<Markup> {
+fn row(kind: &str, n: usize, of: impl Fn(Metric) -> Option<Effect>) -> Vec<Markup> {
     let losses = of(Metric::Time).map_or(0, |e| e.losses);
-    let mut row = vec![html! { (mode) }, html! { (kind) }, html! { (n) }];
+    let mut row = vec![html! { (kind) }, html! { (n) }];
     row.extend(COSTS.map(|m| of(m).map_or_else(|| html! { "–" }, |e| ratio(&e))));
     row.push(html! { (losses) });
     row

@@ -7,6 +7,7 @@ mod bound;
 mod common;
 mod controls;
 mod costs;
+mod curves;
 mod glance;
 mod how_many;
 mod kinds;

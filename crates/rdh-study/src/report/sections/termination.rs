@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::super::pairs::{Metric, Pair};
-use super::super::table::{Key, effects, group};
+use super::super::table::{Key, effects, group, ratio, table};
 use super::super::view::Study;
 use super::super::words;
 use super::common::{best_of_settings, effect, forest_of};
@@ -25,33 +25,69 @@ fn write(study: &Study<'_>) -> Option<Section> {
     if pairs.is_empty() {
         return None;
     }
-    let findings = [idle(&pairs), rules(&pairs)].into_iter().flatten().collect();
+    let findings = [idle(&pairs), unseen(&all), rules(&pairs)].into_iter().flatten().collect();
     let caption = |what: &str| html! { (what) " by rule of termination, relative to the base." };
-    // The 99.9th percentile is one of rays of a class; a sum over classes has none.
-    let worst: Vec<&Pair<'_>> =
-        all.into_iter().filter(|p| p.class.is_some() && p.ratio(Metric::Worst).is_some()).collect();
+    // The same trees stand in several settings, for several sorts of rays.
+    let trees: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !is_idle_setting(p) || is_learnt(p)).collect();
     let body = html! {
-        (forest_of(study, &pairs, [Key::Setting, Key::Spec], Metric::Bytes, &caption("Memory")))
-        (forest_of(study, &pairs, [Key::Setting, Key::Spec], Metric::Build, &caption("Build time")))
+        (forest_of(study, &trees, [Key::Setting, Key::Spec], Metric::Bytes, &caption("Memory")))
+        (forest_of(study, &trees, [Key::Setting, Key::Spec], Metric::Build, &caption("Build time")))
         (effects("By rule of termination", &pairs, &[Key::Setting, Key::Spec, Key::Base], &METRICS))
-        @if !worst.is_empty() {
-            (effects("What the dearest rays pay: the 99.9th percentile of steps + tests", &worst, &[Key::Setting, Key::Class, Key::Spec], &[Metric::Worst]))
-        }
+        (dearest(&all))
     };
     Some(Section { findings, body })
+}
+
+/// What the dearest rays pay. A percentile belongs to rays of one class, so that classes are pairs of their own here.
+fn dearest(all: &[&Pair<'_>]) -> Markup {
+    let has = |p: &&Pair<'_>| p.class.is_some() && p.ratio(Metric::Worst).is_some() && is_idle_setting(p);
+    let pairs: Vec<&Pair<'_>> = all.iter().copied().filter(has).collect();
+    let mut rows = Vec::new();
+    for setting in group(&pairs, &[Key::Setting]) {
+        rows.push(vec![html! { (setting.labels[0]) }]);
+        for g in group(&setting.pairs, &[Key::Spec]) {
+            if let Some(e) = effect(&g.pairs, Metric::Worst) {
+                rows.push(vec![
+                    html! { code { (g.labels[0]) } },
+                    html! { (e.n) },
+                    ratio(&e),
+                    html! { (words::digits(e.most)) },
+                ]);
+            }
+        }
+    }
+    let heads = ["spec", ">views and classes", ">99.9th percentile", ">largest"];
+    html! { @if !rows.is_empty() { (table("What the dearest rays pay: the 99.9th percentile of steps + tests", &heads, &rows)) } }
+}
+
+fn is_idle_setting(pair: &Pair<'_>) -> bool {
+    pair.setting.starts_with("idle")
+}
+
+fn is_learnt(pair: &Pair<'_>) -> bool {
+    pair.setting.contains("learnt")
 }
 
 /// Leaving nodes alone where rays spend little: what is saved, and what unseen rays pay.
 fn idle(pairs: &[&Pair<'_>]) -> Option<Markup> {
     let idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p)).collect();
     let best = group(&idle, &[Key::Spec]).into_iter().min_by(|a, b| bytes(&a.pairs).total_cmp(&bytes(&b.pairs)))?;
-    let learnt: Vec<&Pair<'_>> = best.pairs.iter().copied().filter(|p| p.setting.contains("learnt")).collect();
+    let learnt: Vec<&Pair<'_>> = best.pairs.iter().copied().filter(|p| is_learnt(p)).collect();
     let saved = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time]
         .into_iter()
         .filter_map(|m| Some(words::said(&effect(&learnt, m)?, m)));
     Some(html! {
         "Where rays spend little, " code { (best.labels[0]) } " leaves nodes as they are: " (words::list(&saved.collect::<Vec<_>>())) " against " code { (best.pairs[0].base) }
         ", over " (words::count(learnt.len(), "view"))
+    })
+}
+
+/// What rays pay that were not learnt, at the 99.9th percentile.
+fn unseen(all: &[&Pair<'_>]) -> Option<Markup> {
+    let unseen = |p: &&Pair<'_>| is_idle(p) && p.class.is_some() && !is_learnt(p);
+    let worst = effect(&all.iter().copied().filter(unseen).collect::<Vec<_>>(), Metric::Worst)?;
+    Some(html! {
+        "Rays that were not learnt then pay, at the 99.9th percentile of steps + tests, " (words::figures(&worst)) " of the base; at most " (words::digits(worst.most))
     })
 }
 
@@ -65,7 +101,7 @@ fn bytes(pairs: &[&Pair<'_>]) -> f64 {
 
 /// The rules, the same for both heuristics.
 fn rules(pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let rules: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !p.setting.starts_with("idle")).collect();
+    let rules: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !is_idle_setting(p)).collect();
     let said = best_of_settings(&rules, Metric::Steps)?;
     Some(html! { "With the same rule for both heuristics: " (said) })
 }

@@ -28,7 +28,7 @@ pub(in crate::report) fn forest(entries: &[Entry], axis_label: &str, says: &str,
     let left = if beside { labels + 14.0 } else { SIDE + 6.0 };
     let right = width - NUMBERS;
     let axis = Axis::ratios(entries.iter().flat_map(ends), [left, right]);
-    let places = places(entries, beside);
+    let places = places(entries, beside, width);
     let bottom = places.last().map_or(ROW, |y| y + 12.0);
     let inside = html! {
         (axis.below(2.0, bottom))
@@ -38,15 +38,16 @@ pub(in crate::report) fn forest(entries: &[Entry], axis_label: &str, says: &str,
     root(width, bottom + FOOT, says, inside)
 }
 
-/// The middle of each line.
-fn places(entries: &[Entry], beside: bool) -> Vec<f64> {
+/// The middle of each line of the plot.
+fn places(entries: &[Entry], beside: bool, width: f64) -> Vec<f64> {
     let mut y = 2.0;
     let place = |entry: &Entry| {
-        let height = match entry {
-            Entry::Mean { .. } if !beside => ROW + LINE,
-            _ => ROW,
+        let above = match entry {
+            Entry::Head(words) => LINE * (wrapped(words, width).len() - 1) as f64,
+            Entry::Mean { label, .. } if !beside => LINE * wrapped(label, width).len() as f64,
+            Entry::Mean { .. } => 0.0,
         };
-        y += height;
+        y += ROW + above;
         y - 0.5 * ROW
     };
     entries.iter().map(place).collect()
@@ -54,18 +55,39 @@ fn places(entries: &[Entry], beside: bool) -> Vec<f64> {
 
 fn draw(entry: &Entry, y: f64, axis: &Axis, beside: bool, width: f64) -> Markup {
     match entry {
-        Entry::Head(words) => text(SIDE, y + 4.5, Anchor::Start, "head", words),
+        Entry::Head(words) => stacked(y + 4.5, "head", &wrapped(words, width)),
         Entry::Mean { label, series, effect } => {
             let [low, high] = effect.interval;
-            let label_y = if beside { y + 4.5 } else { y - 0.5 * ROW };
             html! {
-                (text(SIDE + if beside { 8.0 } else { 0.0 }, label_y, Anchor::Start, "label", label))
+                @if beside { (text(SIDE + 8.0, y + 4.5, Anchor::Start, "label", label)) }
+                @else { (stacked(y - 0.5 * ROW, "label", &wrapped(label, width))) }
                 (line(&format!("whisker s{series}"), [axis.at(low), y], [axis.at(high), y]))
                 (marker(*series, axis.at(effect.mean), y, 4.6, None))
                 (text(width - SIDE, y + 4.5, Anchor::End, "number", &numbers(effect)))
             }
         }
     }
+}
+
+/// Lines of words above each other, the last of them at `y`.
+fn stacked(y: f64, class: &str, lines: &[String]) -> Markup {
+    let at = |i: usize| y - LINE * (lines.len() - 1 - i) as f64;
+    html! { @for (i, words) in lines.iter().enumerate() { (text(SIDE, at(i), Anchor::Start, class, words)) } }
+}
+
+/// Words in lines that fit.
+fn wrapped(words: &str, width: f64) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in words.split(' ') {
+        let last = lines.len() - 1;
+        if lines[last].is_empty() || width_of(&lines[last]) + width_of(word) + 7.0 <= width - 2.0 * SIDE {
+            let space = if lines[last].is_empty() { "" } else { " " };
+            lines[last] += &format!("{space}{word}");
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
 }
 
 fn numbers(effect: &Effect) -> String {
@@ -89,5 +111,19 @@ fn ends(entry: &Entry) -> Vec<f64> {
     match entry {
         Entry::Head(_) => Vec::new(),
         Entry::Mean { effect, .. } => effect.interval.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_words_are_wrapped_and_none_is_lost() {
+        let words = "as many uniform lines instead of the view's rays";
+        let lines = wrapped(words, 330.0);
+        assert!(lines.len() == 2 && lines.iter().all(|l| width_of(l) <= 330.0), "{lines:?}");
+        assert_eq!(lines.join(" "), words);
+        assert_eq!(wrapped("", 330.0), [""]);
     }
 }

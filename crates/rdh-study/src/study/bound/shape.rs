@@ -75,6 +75,12 @@ impl Segment {
         valid.map(|s| Self::new(&s.ray, s.t_end())).collect()
     }
 
+    /// The same rays as far as they may go, as if nothing stopped them.
+    pub fn all_whole(rays: &Training) -> Vec<Self> {
+        let valid = rays.samples().iter().filter(|s| s.ray.is_valid());
+        valid.map(|s| Self::new(&s.ray, f32::INFINITY)).collect()
+    }
+
     /// A ray up to some `t`.
     pub fn new(ray: &Ray, end: f32) -> Self {
         let wide = |v: [f32; 3]| v.map(f64::from);

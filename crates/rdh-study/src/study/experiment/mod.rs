@@ -1,6 +1,7 @@
 //! The study's questions, one file each.
 
 mod again;
+mod assumptions;
 mod blend;
 mod bound;
 mod controls;
@@ -10,6 +11,7 @@ mod occlusion;
 mod paper;
 pub mod spd;
 mod termination;
+mod which_rays;
 
 use rdh::Spec;
 
@@ -39,6 +41,8 @@ pub trait Experiment: Sync {
 pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &paper::Paper,
     &modes::Modes,
+    &assumptions::Assumptions,
+    &which_rays::WhichRays,
     &how_many::HowMany,
     &blend::Blend,
     &occlusion::Occlusion,
