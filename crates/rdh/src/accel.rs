@@ -1,10 +1,10 @@
 //! One face for all structures.
 
-use crate::bvh::{Bvh, Width};
+use crate::bvh::{self, Bvh, Width};
 use crate::error::{Error, Result};
 use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
-use crate::heuristic::{self, HeuristicSpec, Rdh};
+use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
@@ -99,7 +99,10 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
-                HeuristicSpec::Rdh(rdh) => Some(Rdh::new(rdh, rays, scale)),
+                HeuristicSpec::Rdh(rdh) => {
+                    let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                }
             };
             let guide = guide.as_ref();
             Ok(match bvh.width {

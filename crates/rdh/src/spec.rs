@@ -210,7 +210,7 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
-            ("cap", _) => rdh.cap = value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?,
+            ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
                 let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
                 return Err(unknown("rdh", key, known));
@@ -240,8 +240,8 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if rdh.rays != base.rays {
         out.push(format!("rays={}", if rdh.rays == RayExtent::Whole { "whole" } else { "clipped" }));
     }
-    if rdh.cap != base.cap {
-        out.push(format!("cap={}", rdh.cap));
+    if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
+        out.push(format!("cap={cap}"));
     }
     out
 }

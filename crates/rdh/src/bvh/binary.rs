@@ -147,7 +147,13 @@ impl<C: Chooser> Grower<'_, C> {
     }
 
     /// Small subtrees: one thread, one list.
-    fn grow_in(&self, nodes: &mut Vec<BinaryNode>, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<()> {
+    fn grow_in(
+        &self,
+        nodes: &mut Vec<BinaryNode>,
+        primitives: &mut [Extent],
+        first: usize,
+        todo: Node<C::Rays>,
+    ) -> Result<()> {
         let n = primitives.len();
         if n <= self.search.leaf {
             self.watch.report(n);
@@ -174,7 +180,8 @@ impl<C: Chooser> Grower<'_, C> {
     fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
         let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        let split = if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
+        let split =
+            if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo),
             None => self.part_in_the_middle(primitives, todo),

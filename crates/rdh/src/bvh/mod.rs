@@ -35,8 +35,8 @@ use visits::Visits;
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::heuristic::Rdh;
 use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
+use crate::heuristic::Rdh;
 use crate::leaf;
 use crate::mem::reserve;
 use crate::mesh::Mesh;
@@ -92,7 +92,7 @@ impl<const W: usize> Bvh<W> {
             spatial::grow(primitives, &clipper, search, most - mesh.len(), &watch)?
         } else {
             let nodes = match guide {
-                Some(rdh) if std::env::var("NOSPLIT").is_err() => binary::grow(&mut primitives, search, &ByRays(rdh), &watch)?,
+                Some(rdh) => binary::grow(&mut primitives, search, &ByRays(rdh), &watch)?,
                 _ => binary::grow(&mut primitives, search, &ByArea, &watch)?,
             };
             Grown { nodes, ids: ids(&primitives)? }
@@ -192,6 +192,10 @@ impl<const W: usize> Bvh<W> {
         hash.digest()
     }
 }
+
+/// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
+/// choices need no more.
+pub(crate) const RAYS_COUNTED: u32 = 256;
 
 /// Spatial splits may add one reference to so many.
 const SPARE: usize = 2;

@@ -176,7 +176,8 @@ impl Search {
         let (mut best_cost, mut best) = (f32::INFINITY, None);
         for axis in (0..3).filter(|&a| grid.scale[a] != 0.0) {
             let (lows, low_counts) = running(&bins.boxes[axis][..last], &bins.counts[axis][..last], 0..last);
-            let (highs, high_counts) = running(&bins.boxes[axis][1..=last], &bins.counts[axis][1..=last], (0..last).rev());
+            let (highs, high_counts) =
+                running(&bins.boxes[axis][1..=last], &bins.counts[axis][1..=last], (0..last).rev());
             let (mut left, mut right) = ([0.0; MAX_BINS], [0.0; MAX_BINS]);
             chances(&Sides { lows: &lows[..last], highs: &highs[..last] }, &mut left[..last], &mut right[..last]);
             for bin in (0..last).filter(|&bin| low_counts[bin] > 0 && high_counts[bin] > 0) {

@@ -44,7 +44,8 @@ impl Visits {
                 continue;
             }
             for child in [nodes[node].right(), node + 1] {
-                let of_child = if rays.is_empty() { NodeRays::default() } else { rdh.descend(&rays, &nodes[child].0.bounds()) };
+                let of_child =
+                    if rays.is_empty() { NodeRays::default() } else { rdh.descend(&rays, &nodes[child].0.bounds()) };
                 let (part, ended) = rdh.weigh_node(&of_child);
                 let area = nodes[child].0.half_area();
                 let of_node = ratio(area, nodes[node].0.half_area());
@@ -60,4 +61,48 @@ impl Visits {
 /// Of areas; a flat node's parts are all of it.
 fn ratio(part: f32, whole: f32) -> f32 {
     if whole > 0.0 { (part / whole).min(1.0) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::extent::Extent;
+    use crate::geom::{Aabb, Ray};
+    use crate::heuristic::RdhSpec;
+    use crate::rays::{Query, RayClass, RaySample, Training};
+
+    /// A root over two unit cubes, at x = 0 and x = 3.
+    fn tree() -> Vec<BinaryNode> {
+        let at = |x: f32, width: f32| Extent::new(&Aabb { min: [x, 0.0, 0.0], max: [x + width, 1.0, 1.0] }, 0, 0);
+        vec![
+            BinaryNode::interior(at(0.0, 4.0), 2),
+            BinaryNode::leaf(at(0.0, 1.0), 0, 1),
+            BinaryNode::leaf(at(3.0, 1.0), 1, 1),
+        ]
+    }
+
+    fn sample(origin: [f32; 3], direction: [f32; 3], t_hit: Option<f32>, query: Query) -> RaySample {
+        RaySample { ray: Ray::new(origin, direction), t_hit, query, class: RayClass::Other, weight: 1 }
+    }
+
+    #[test]
+    fn rays_that_end_in_the_first_box_do_not_visit_the_second() {
+        // Three rays along x end in the first cube, one across goes through the second.
+        let along = sample([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], Some(1.5), Query::Occluded);
+        let across = sample([3.5, 0.5, -1.0], [0.0, 0.0, 1.0], None, Query::Closest);
+        let training = Training::from_samples(vec![along, along, along, across]);
+        let spec = RdhSpec { blend: crate::heuristic::Blend::Confidence { prior: 0.0 }, ..RdhSpec::default() };
+        let visits = Visits::measure(&tree(), &Rdh::new(&spec, &training, 1.0)).unwrap();
+        assert_eq!(visits.chances, [1.0, 0.75, 0.25]);
+        assert!(visits.stops[1] > 0.75 && visits.stops[2] < 0.25, "{:?}", visits.stops);
+    }
+
+    #[test]
+    fn areas_stand_in_where_no_ray_comes() {
+        let elsewhere = sample([0.0, 9.0, 0.0], [1.0, 0.0, 0.0], None, Query::Closest);
+        let rdh = Rdh::new(&RdhSpec::default(), &Training::from_samples(vec![elsewhere]), 1.0);
+        let visits = Visits::measure(&tree(), &rdh).unwrap();
+        // Half areas: 3 of 9.
+        assert_eq!(visits.chances, [1.0, 3.0 / 9.0, 3.0 / 9.0]);
+    }
 }

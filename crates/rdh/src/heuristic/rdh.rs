@@ -36,6 +36,9 @@ struct Line {
 }
 
 impl Rdh {
+    /// Rays counted in a node of a kd-tree, unless the spec says otherwise.
+    pub const CAP: u32 = 4096;
+
     /// Takes the rays into the space of a structure whose coordinates are multiplied by `scale`. Invalid rays are left out.
     pub fn new(spec: &RdhSpec, rays: &Training, scale: f32) -> Self {
         let usable = rays.samples().iter().filter(|s| s.ray.is_valid());
@@ -57,7 +60,12 @@ impl Rdh {
                 stopped: s.query == Query::Occluded && s.t_hit.is_some_and(|t| t <= t_end),
             }
         });
-        Self { lines: lines.collect(), blend: spec.blend, cap: spec.cap as usize, level: Level::best() }
+        Self {
+            lines: lines.collect(),
+            blend: spec.blend,
+            cap: spec.cap.unwrap_or(Self::CAP) as usize,
+            level: Level::best(),
+        }
     }
 
     /// The rays that are counted in a node: all, or the first few, which are a random sub-sample.
