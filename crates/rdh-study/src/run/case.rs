@@ -9,7 +9,7 @@ use super::trial::{Trial, in_pool};
 use super::{Event, Prepared, Study};
 use crate::clock::time_thread;
 use crate::integrate::{Mode, Shoot};
-use crate::plan::Case;
+use crate::plan::{Case, Plan, Protocol, Source};
 
 impl Study<'_, '_> {
     pub(super) fn case(&mut self, on: &Prepared<'_>, view: &View, mode: Mode) {
@@ -22,24 +22,15 @@ impl Study<'_, '_> {
         let batches = in_pool(self.pool.as_ref(), || shoot.batches(first));
         let needs_rays: Vec<Spec> = self.plan.specs.iter().filter(|s| s.needs_rays()).copied().collect();
         let test_rays = batches.iter().map(|b| b.rays.len()).sum();
-        let own = || {
-            let (training, secs) = time_thread(|| shoot.training(first, test_rays));
-            Ok(Lesson { training, secs, view: view.name.clone(), frame: on.frame })
-        };
-        let lesson = match &self.plan.rrs {
-            _ if needs_rays.is_empty() => Ok(Lesson::none()),
-            None => own(),
-            Some(source) => self.site(on, first).lesson(source, view, mode),
-        };
-        let lesson = match lesson {
+        let lesson = match self.lesson(on, &shoot, (view, mode), &needs_rays, test_rays) {
             Ok(lesson) => lesson,
             Err(reason) => return self.fail_case(on, Some(&view.name), None, reason),
         };
         let trained = self.build_all(on, Some(&view.name), &needs_rays, &lesson);
         let trees: Vec<&Built> = self.plan.specs.iter().filter_map(|s| find(&on.shared, &trained, s)).collect();
         let triangles = on.stage.mesh().len();
-        let (kind, plan, pool) = (on.target.entry.kind, self.plan, self.pool.as_ref());
-        let outcome = Trial { case: &case, kind, triangles, plan, pool }.run(&trees, &batches);
+        let (kind, plan, pool) = (on.target.entry.kind, self.told(), self.pool.as_ref());
+        let outcome = Trial { case: &case, kind, triangles, plan: &plan, pool }.run(&trees, &batches);
         for mismatch in outcome.mismatches {
             (self.observer)(&Event::Mismatch(&mismatch));
             self.document.mismatches.push(mismatch);
@@ -48,6 +39,29 @@ impl Study<'_, '_> {
             (self.observer)(&Event::Row(&row));
             self.document.rows.push(row);
         }
+    }
+
+    /// The rays that trees are built for.
+    fn lesson(
+        &self,
+        on: &Prepared<'_>,
+        shoot: &Shoot<'_>,
+        (view, mode): (&View, Mode),
+        needs_rays: &[Spec],
+        test_rays: usize,
+    ) -> Result<Lesson, String> {
+        let Some(first) = on.first().filter(|_| !needs_rays.is_empty()) else { return Ok(Lesson::none()) };
+        if let Some(source) = &self.plan.rrs {
+            return self.site(on, first).lesson(source, view, mode);
+        }
+        let (training, secs) = time_thread(|| shoot.training(first, test_rays));
+        Ok(Lesson { training, secs, view: view.name.clone(), frame: on.frame })
+    }
+
+    /// The plan as rows tell it: a part of the frame is chosen as the paper does.
+    fn told(&self) -> Plan {
+        let paper = matches!(self.plan.rrs, Some(Source::Frame(_)));
+        Plan { protocol: if paper { Protocol::Paper } else { self.plan.protocol }, ..self.plan.clone() }
     }
 
     fn site<'s>(&'s self, on: &'s Prepared<'_>, first: &'s Accel) -> Site<'s> {
