@@ -4,9 +4,10 @@
 mod records;
 
 use rdh::RayClass;
-use rdh_study::Mode;
 use rdh_study::report::{About, Panel, Picture, Scale, html, markdown, views_to_show};
 use rdh_study::study::Record;
+use rdh_study::summary::summarise_settings;
+use rdh_study::{Mode, Over};
 use records::{SCENES, job, record, row, simple, study};
 
 fn about() -> About {
@@ -183,4 +184,32 @@ fn kinds_of_scene_can_count_alike() {
     let said = words(&html(&records, &about()));
     assert!(said.contains("16 % fewer steps (0.84") || said.contains("no clear difference in steps (0.84"), "{said}");
     assert!(said.contains("each kind alike 4 0.71"), "{said}");
+}
+
+#[test]
+fn the_reports_figures_are_those_of_the_summaries() {
+    let records = study();
+    let rows: Vec<_> = records.iter().flat_map(|r| r.rows.clone()).collect();
+    let tables = markdown(&records);
+    let mut compared = 0;
+    for s in
+        summarise_settings(&rows).iter().filter(|s| s.over == Over::Pairs && s.experiment.as_deref() == Some("modes"))
+    {
+        let class = s.class.filter(|_| s.mode.classes().len() > 1).map_or("all", RayClass::name);
+        let start = format!("| {} | {class} |  | {} | {} | {} | ", s.mode, s.spec, s.base, s.n);
+        let line = tables.lines().find(|l| l.starts_with(&start)).unwrap_or_else(|| panic!("no line {start}"));
+        let cells: Vec<&str> = line[start.len()..].split(" | ").collect();
+        let numbers = |cell: &str| -> Vec<f64> {
+            cell.split(|c: char| !c.is_ascii_digit() && c != '.').filter_map(|n| n.parse().ok()).collect()
+        };
+        let [low, high] = s.time_ratio_ci95;
+        let expected = [s.time_ratio, low, high];
+        assert!(numbers(cells[2]).iter().zip(expected).all(|(a, b)| (a - b).abs() <= 0.0051), "{line}: {expected:?}");
+        assert!(
+            (numbers(cells[0])[0] - s.steps_ratio).abs() <= 0.0051
+                && (numbers(cells[1])[0] - s.tests_ratio).abs() <= 0.0051
+        );
+        compared += 1;
+    }
+    assert!(compared >= 20, "{compared}");
 }

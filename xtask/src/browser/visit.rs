@@ -71,7 +71,9 @@ fn complaint(event: &Value, page: &str) -> Option<String> {
     let params = &event["params"];
     let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
     match event["method"].as_str()? {
-        "Runtime.exceptionThrown" => Some(format!("exception: {}", params["exceptionDetails"])),
+        "Runtime.exceptionThrown" => {
+            Some(format!("exception: {}", text(&params["exceptionDetails"]["exception"]["description"])))
+        }
         "Runtime.consoleAPICalled" if ["error", "warning", "assert"].contains(&params["type"].as_str()?) => {
             Some(format!("console: {}", params["args"]))
         }
@@ -100,5 +102,49 @@ impl Scheme {
 impl fmt::Display for Look {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}", self.width, self.scheme.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FAULTY: &str = r##"<!doctype html><title>x</title><h1>a</h1><h3>b</h3><a href="#nowhere">c</a>
+        <div style="width:2000px">wide</div><img src="missing.png">
+        <svg class="plot" viewBox="0 0 100 50" width="100" height="50">
+        <text x="0" y="20">hello</text><text x="5" y="22">there</text><text x="90" y="40">too far out</text></svg>
+        <script>console.error("bad"); throw new Error("boom")</script>"##;
+
+    #[test]
+    fn a_faulty_page_is_complained_about_and_a_good_one_is_not() {
+        let mut browser = match Chromium::start(None) {
+            Ok(browser) => browser,
+            Err(error) => return eprintln!("skipped: {error:#}"),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut faults = |text: &str| {
+            let page = folder.path().join("page.html");
+            std::fs::write(&page, text).unwrap();
+            visit(&mut browser, &page, &Look { width: 360, scheme: Scheme::Light }).unwrap().join("\n")
+        };
+        let said = faults(FAULTY);
+        let expected = [
+            "not self-contained: it asks for",
+            "missing.png",
+            "console: ",
+            "exception: Error: boom",
+            "pixels wide in a window of 360",
+            "too wide: div",
+            "cut off: text",
+            "words on words: text",
+            "a picture is broken",
+            "doesn't say what it shows",
+            "a heading of level 3 below one of level 1",
+            "a link leads nowhere: #nowhere",
+        ];
+        for words in expected {
+            assert!(said.contains(words), "no '{words}' in:\n{said}");
+        }
+        assert_eq!(faults("<!doctype html><title>x</title><link rel=icon href='data:,'><h1>a</h1><p>b</p>"), "");
     }
 }

@@ -23,7 +23,9 @@ fn a_page_with_pictures_is_written_beside_the_study() {
     assert_eq!((said["jobs"].as_u64(), said["missing"].as_u64()), (Some(2), Some(0)));
     assert_eq!(said["bytes"].as_u64(), Some(page.len() as u64));
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("an abacus &lt;2&gt;"));
-    assert!(page.contains("--experiment modes,aa --size 16x16 --training 100 --seed 7"));
+    assert!(page.contains(
+        "rdh study tetra5 --quick --experiment modes,aa --mode primary --size 16x16 --training 100 --rounds 2 --seed 7"
+    ));
     // The view, two slices; steps and tests by both and their differences.
     assert_eq!(page.matches("data:image/png;base64,").count(), 9);
     assert!(page.len() < 2 << 20);

@@ -12,7 +12,8 @@ use crate::rows::{Failure, Mismatch};
 pub(super) fn page(study: &Study<'_>) -> String {
     let written: Vec<(&Chapter, Option<Section>)> = CHAPTERS.iter().map(|c| (c, (c.write)(study))).collect();
     let there: Vec<(&Chapter, &Section)> = written.iter().filter_map(|(c, s)| Some((*c, s.as_ref()?))).collect();
-    let missing: Vec<String> = written.iter().filter(|w| w.1.is_none()).map(|w| w.0.title.to_owned()).collect();
+    let missing: Vec<String> =
+        written.iter().filter(|w| w.1.is_none() && !w.0.question.is_empty()).map(|w| w.0.title.to_owned()).collect();
     let document = html! {
         (DOCTYPE)
         html lang="en" {

@@ -157,7 +157,7 @@ pub(super) fn ratio(effect: &Effect) -> Markup {
     let (class, sign, means) = match effect.verdict() {
         Verdict::Better => ("better", "▾", "surely less"),
         Verdict::Worse => ("worse", "▴", "surely more"),
-        Verdict::Same => ("", "=", "the same to within 1 %"),
+        Verdict::Same => ("", "=", "the same to within 1\u{a0}%"),
         Verdict::Open => ("", "", ""),
     };
     let [low, high] = effect.interval.map(digits);

@@ -113,10 +113,15 @@ pub(super) fn kind(kind: Kind) -> &'static str {
     }
 }
 
-/// The words with a capital first letter.
+/// The words with a capital first letter; a letter that stands alone is a symbol, and stays.
 pub(super) fn capital(words: &str) -> String {
     let mut letters = words.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    let Some(first) = letters.next() else { return String::new() };
+    if letters.clone().next().is_some_and(char::is_alphabetic) {
+        first.to_uppercase().chain(letters).collect()
+    } else {
+        words.to_owned()
+    }
 }
 
 /// Joins parts as prose does: `a, b and c`.
@@ -168,6 +173,7 @@ mod tests {
             [1.0, 999.0, 1000.0, 1_234_567.0].map(grouped),
             ["1", "999", "1\u{202f}000", "1\u{202f}234\u{202f}567"]
         );
+        assert_eq!(["p measured", "steps", ""].map(capital), ["p measured", "Steps", ""]);
         assert_eq!(list(&["a".into(), "b".into(), "c".into()]), "a, b and c");
         assert_eq!([count(1, "view"), count(2, "view")], ["1 view", "2 views"]);
     }

@@ -3,14 +3,15 @@
 use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use rdh_study::Plan;
+use rdh_scene::Entry;
 use rdh_study::report::About;
-use rdh_study::study::{Merged, StudyPlan};
+use rdh_study::study::{EXPERIMENTS, Merged, StudyPlan};
+use rdh_study::{Mode, Plan};
 
 use crate::args::ReportArgs;
 
 /// Everything but the pictures.
-pub(super) fn about(args: &ReportArgs, merged: &Merged) -> About {
+pub(super) fn about(args: &ReportArgs, merged: &Merged, embedded: &[Entry]) -> About {
     let plan = &merged.plan;
     About {
         date: SystemTime::now()
@@ -18,7 +19,7 @@ pub(super) fn about(args: &ReportArgs, merged: &Merged) -> About {
             .map_or_else(|_| String::new(), |t| date(t.as_secs() / 86_400)),
         version: plan.program.clone(),
         machine: args.machine.clone().unwrap_or_else(machine),
-        commands: vec![study_command(plan), "rdh report study".to_owned()],
+        commands: vec![study_command(plan, embedded), "rdh report study".to_owned()],
         settings: settings(plan),
         missing: merged.missing.len(),
         pictures: Vec::new(),
@@ -26,20 +27,31 @@ pub(super) fn about(args: &ReportArgs, merged: &Merged) -> About {
 }
 
 /// The command that makes the study again; what is usual is left out.
-fn study_command(plan: &StudyPlan) -> String {
-    let mut command = "rdh study".to_owned();
+fn study_command(plan: &StudyPlan, embedded: &[Entry]) -> String {
     let [width, height] = plan.size;
-    let (size, training) = if plan.quick { ([128, 128], 4_096) } else { ([256, 256], Plan::default().training) };
-    let all = rdh_study::study::EXPERIMENTS.len();
+    let usual = if plan.quick { ([128, 128], 4_096) } else { ([256, 256], Plan::default().training) };
+    let modes = plan.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
     let parts = [
+        (true, scene_arguments(plan, embedded)),
         (plan.quick, " --quick".to_owned()),
-        (plan.experiments.len() < all, format!(" --experiment {}", plan.experiments.join(","))),
-        (plan.size != size, format!(" --size {width}x{height}")),
-        (plan.training != training, format!(" --training {}", plan.training)),
+        (plan.experiments.len() < EXPERIMENTS.len(), format!(" --experiment {}", plan.experiments.join(","))),
+        (plan.modes.len() < Mode::ALL.len(), format!(" --mode {modes}")),
+        (plan.size != usual.0, format!(" --size {width}x{height}")),
+        (plan.training != usual.1, format!(" --training {}", plan.training)),
+        (plan.rounds[0] != Plan::default().rounds, format!(" --rounds {}", plan.rounds[0])),
         (true, format!(" --seed {} --out study", plan.seed)),
     ];
-    command.extend(parts.into_iter().filter(|p| p.0).map(|p| p.1));
-    command
+    "rdh study".to_owned() + &parts.into_iter().filter(|p| p.0).map(|p| p.1).collect::<String>()
+}
+
+/// Nothing for all embedded scenes, a folder if others are there too, else their names.
+fn scene_arguments(plan: &StudyPlan, embedded: &[Entry]) -> String {
+    let has = |id: &str| plan.scenes.iter().any(|(scene, _)| scene == id);
+    match (embedded.iter().all(|e| has(&e.id)), plan.scenes.len() > embedded.len()) {
+        (true, false) => String::new(),
+        (true, true) => " --scenes DIR".to_owned(),
+        (false, _) => plan.scenes.iter().map(|(id, _)| format!(" {id}")).collect(),
+    }
 }
 
 fn settings(plan: &StudyPlan) -> Vec<(String, String)> {

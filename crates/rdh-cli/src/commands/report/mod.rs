@@ -11,12 +11,14 @@ use serde_json::json;
 use crate::args::ReportArgs;
 use crate::context::Context;
 use crate::output::{print, print_json, write_file};
+use crate::pick::Shelf;
 
 /// Reads the study, draws the pictures, writes the page.
 pub(crate) fn run(args: &ReportArgs, context: &Context) -> Result<()> {
     let merged = merge(&args.folders)?;
-    let pictures = if args.no_pictures { Vec::new() } else { pictures::draw(&merged, context)? };
-    let about = About { pictures, ..about::about(args, &merged) };
+    let shelf = Shelf::open(context.folder.as_deref())?;
+    let pictures = if args.no_pictures { Vec::new() } else { pictures::draw(&merged, &shelf, context) };
+    let about = About { pictures, ..about::about(args, &merged, shelf.embedded()) };
     let folder = args.folders.first().context("no folder")?;
     let file = args.output.clone().unwrap_or_else(|| folder.join("report.html"));
     let page = html(&merged.records, &about);

@@ -17,22 +17,21 @@ const SPECS: &str = "kd+sah,kd+rdh";
 const COLOURS: usize = 9;
 
 /// Draws them. A scene that isn't there (of a folder that isn't given, say) has none; that is said.
-pub(super) fn draw(merged: &Merged, context: &Context) -> Result<Vec<Picture>> {
-    let shelf = Shelf::open(context.folder.as_deref())?;
+pub(super) fn draw(merged: &Merged, shelf: &Shelf, context: &Context) -> Vec<Picture> {
     let shown = views_to_show(&merged.records);
     let bar = context.bar(shown.len() as u64);
     let mut pictures = Vec::new();
     for shown in &shown {
         let place = format!("{}:{}", shown.scene, shown.view);
         bar.set_message(place.clone());
-        match draw_view(&shelf, &place, shown, merged.plan.seed) {
+        match draw_view(shelf, &place, shown, merged.plan.seed) {
             Ok(picture) => pictures.push(picture),
             Err(error) => tracing::warn!("no picture of {place}: {error:#}"),
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(pictures)
+    pictures
 }
 
 fn draw_view(shelf: &Shelf, place: &str, shown: &Shown, seed: u64) -> Result<Picture> {

@@ -25,7 +25,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let lines =
         families(&pairs).into_iter().flat_map(|(family, pairs)| lines_of(study, &family, &pairs, Metric::Steps));
     let findings = lines.filter_map(|line| finding(&line)).collect();
-    let caption = |m: Metric| html! { (m.name()) " over the parameter of the blend, relative to the base; bands are 95 % intervals." };
+    let caption = |m: Metric| html! { (m.name()) " over the parameter of the blend, relative to the base; bands are 95\u{a0}% intervals." };
     let body = html! {
         (lines_over_x(study, &pairs, Metric::Steps, "parameter of the blend", &caption(Metric::Steps)))
         (effects("By the blend", &pairs, &[Key::Setting, Key::Spec], &COSTS))

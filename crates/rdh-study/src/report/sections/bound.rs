@@ -29,7 +29,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     }
     let series = all_series(&curves);
     let caption = html! {
-        "Expected cost of each tree on test rays, relative to its base; means over scenes with 95 % intervals. The least in each group is the bound "
+        "Expected cost of each tree on test rays, relative to its base; means over scenes with 95\u{a0}% intervals. The least in each group is the bound "
         "that was found."
     };
     let body = html! {

@@ -65,7 +65,7 @@ pub(super) fn forest_of(
 
 /// A forest plot of entries that are there already.
 pub(super) fn forest_figure(entries: &[Entry], axis: &str, caption: &Markup) -> Markup {
-    let says = format!("Forest plot: {axis}, means with 95 % intervals; the figures stand beside each line");
+    let says = format!("Forest plot: {axis}, means with 95\u{a0}% intervals; the figures stand beside each line");
     figure(caption, &[], |width| forest(entries, axis, &says, width))
 }
 
@@ -107,7 +107,7 @@ pub(super) fn lines_over_x(
 fn line_figure(drawn: &[Line], metric: Metric, across: &str, caption: &Markup) -> Markup {
     let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
     let upwards = format!("{}, ratio to the base: below 1 is better", metric.name());
-    let says = format!("Line plot: {upwards}, over {across}, with 95 % intervals as bands");
+    let says = format!("Line plot: {upwards}, over {across}, with 95\u{a0}% intervals as bands");
     figure(caption, &legend, |width| lines(drawn, Upwards::Ratios, [across, &upwards], &says, width))
 }
 

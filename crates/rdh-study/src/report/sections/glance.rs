@@ -21,7 +21,7 @@ pub(in crate::report) fn glance(study: &Study<'_>) -> Markup {
         }
     }
     let caption = html! {
-        "What " code { (ours()) } " takes relative to " code { (first.base) } ", by the rays that were cast: means over all views with 95 % intervals."
+        "What " code { (ours()) } " takes relative to " code { (first.base) } ", by the rays that were cast: means over all views with 95\u{a0}% intervals."
     };
     forest_figure(&entries, "ratio to the base: left of 1 is better", &caption)
 }

@@ -34,7 +34,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let rows: Vec<Vec<Markup>> = losses.iter().take(MOST).map(row).collect();
     let body = html! {
         @if !rows.is_empty() {
-            (table("Surely slower, the worst first", &["view", "kind", "rays", "spec", ">time", ">95 % interval", ">steps", ">tests"], &rows))
+            (table("Surely slower, the worst first", &["view", "kind", "rays", "spec", ">time", ">95\u{a0}% interval", ">steps", ">tests"], &rows))
         }
         @if losses.len() > MOST { p.note { "The worst " (MOST) " of " (losses.len()) "; the others are in the study’s rows." } }
     };

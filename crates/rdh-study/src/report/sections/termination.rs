@@ -1,6 +1,7 @@
 //! When to stop: the same rules for both, pruning, and leaving alone what no ray reaches.
 
 use maud::{Markup, html};
+use rdh_scene::Kind;
 
 use super::super::pairs::{Metric, Pair};
 use super::super::table::{Key, effects, group, ratio, table};
@@ -68,18 +69,23 @@ fn is_learnt(pair: &Pair<'_>) -> bool {
     pair.setting.contains("learnt")
 }
 
-/// Leaving nodes alone where rays spend little: what is saved, and what unseen rays pay.
+/// Leaving nodes alone where rays spend little: what is saved, in dense scenes if there are any.
 fn idle(pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p)).collect();
+    let mut idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p) && is_learnt(p)).collect();
+    let dense = idle.iter().any(|p| p.kind == Kind::Dense);
+    idle.retain(|p| !dense || p.kind == Kind::Dense);
     let best = group(&idle, &[Key::Spec]).into_iter().min_by(|a, b| bytes(&a.pairs).total_cmp(&bytes(&b.pairs)))?;
-    let learnt: Vec<&Pair<'_>> = best.pairs.iter().copied().filter(|p| is_learnt(p)).collect();
-    let saved = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time]
-        .into_iter()
-        .filter_map(|m| Some(words::said(&effect(&learnt, m)?, m)));
+    let metrics = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time];
+    let saved = metrics.into_iter().filter_map(|m| Some(words::said(&effect(&best.pairs, m)?, m)));
     Some(html! {
-        "Where rays spend little, " code { (best.labels[0]) } " leaves nodes as they are: " (words::list(&saved.collect::<Vec<_>>())) " against " code { (best.pairs[0].base) }
-        ", over " (words::count(learnt.len(), "view"))
+        @if dense { "Dense scenes: " }
+        code { (best.labels[0]) } ", which leaves nodes as they are where rays spend little: " (words::list(&saved.collect::<Vec<_>>())) " against "
+        code { (best.pairs[0].base) } ", over " (words::count(best.pairs.len(), "pair"))
     })
+}
+
+fn bytes(pairs: &[&Pair<'_>]) -> f64 {
+    effect(pairs, Metric::Bytes).map_or(f64::INFINITY, |e| e.mean)
 }
 
 /// What rays pay that were not learnt, at the 99.9th percentile.
@@ -93,10 +99,6 @@ fn unseen(all: &[&Pair<'_>]) -> Option<Markup> {
 
 fn is_idle(pair: &Pair<'_>) -> bool {
     pair.spec.needs_rays() && pair.spec.to_string().contains("idle=")
-}
-
-fn bytes(pairs: &[&Pair<'_>]) -> f64 {
-    effect(pairs, Metric::Bytes).map_or(f64::INFINITY, |e| e.mean)
 }
 
 /// The rules, the same for both heuristics.
