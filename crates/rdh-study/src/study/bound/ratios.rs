@@ -13,7 +13,7 @@ pub const SMALL_UP_TO: usize = 450;
 /// Scenes of up to so many get the search from tree to tree.
 pub const SEARCHED_UP_TO: usize = 30_000;
 /// Intervals of the lattice an axis.
-const INTERVALS: usize = 10;
+const INTERVALS: usize = 12;
 
 /// `cost`, `steps` or `tests` of a tree over those of the greedy tree by areas, paid by the test rays.
 #[derive(Clone, Debug, PartialEq)]
