@@ -5,7 +5,7 @@ mod records;
 
 use rdh::RayClass;
 use rdh_study::Mode;
-use rdh_study::report::{About, Panel, Picture, Scale, html};
+use rdh_study::report::{About, Panel, Picture, Scale, html, markdown, views_to_show};
 use rdh_study::study::Record;
 use records::{SCENES, job, record, row, simple, study};
 
@@ -31,6 +31,8 @@ fn words(page: &str) -> String {
                 inside = false;
                 text.push(' ');
             }
+            // Keeps a line from breaking after a dash; nobody sees it.
+            '\u{2060}' => {}
             c if !inside => text.push(c),
             _ => {}
         }
@@ -144,4 +146,41 @@ fn a_structure_twice_is_a_run_against_itself() {
     let at = job("aa", "balls4", "front", Mode::Primary);
     let rows = vec![row(&at, RayClass::Primary, "kd+sah", 1.0), row(&at, RayClass::Primary, "kd+sah", 1.0)];
     assert!(words(&html(&[record(at, rows)], &about())).contains("No difference, as it must be"));
+}
+
+#[test]
+fn views_are_shown_for_their_gains_and_the_worst_one_too() {
+    let shown = views_to_show(&study());
+    let why: Vec<&str> = shown.iter().map(|s| s.why.split(':').next().unwrap()).collect();
+    let largest = "the largest gain in steps among";
+    let expected =
+        [format!("{largest} dense scenes"), format!("{largest} interior scenes"), format!("{largest} open scenes")];
+    assert_eq!(why[..3], expected);
+    assert_eq!(why[3..], ["the least gain of all"]);
+    assert!(["rooms", "quarter"].contains(&shown[0].scene.as_str()));
+    assert!(views_to_show(&[]).is_empty());
+}
+
+#[test]
+fn settings_have_bases_of_their_own() {
+    let at = job("controls", "balls4", "front", Mode::Primary);
+    let setting = |name: &str, base: f64, ratio: f64| {
+        let rows = simple(at.clone(), &[("kd+sah", base), ("kd+rdh", base * ratio)]).rows;
+        rows.into_iter().map(|r| rdh_study::Row { setting: Some(name.into()), ..r }).collect::<Vec<_>>()
+    };
+    let rows = [setting("once", 1.0, 0.9), setting("again", 2.0, 0.8)].concat();
+    let tables = markdown(&[record(at, rows)]);
+    assert!(tables.contains("| primary | all | once | kd+rdh | kd+sah | 1 | 0.90 |"), "{tables}");
+    assert!(tables.contains("| primary | all | again | kd+rdh | kd+sah | 1 | 0.80 |"), "{tables}");
+}
+
+#[test]
+fn kinds_of_scene_can_count_alike() {
+    let specs = |ratio| [("kd+sah", 1.0), ("kd+rdh", ratio)];
+    let of = |scene, ratio| simple(job("modes", scene, "front", Mode::Primary), &specs(ratio));
+    // Three open scenes without a gain, a dense one at a half: the mean of all is 0.84, that of the kinds √0.5.
+    let records = [of("balls4", 1.0), of("gears4", 1.0), of("tree11", 1.0), of("rooms", 0.5)];
+    let said = words(&html(&records, &about()));
+    assert!(said.contains("16 % fewer steps (0.84") || said.contains("no clear difference in steps (0.84"), "{said}");
+    assert!(said.contains("each kind alike 4 0.71"), "{said}");
 }

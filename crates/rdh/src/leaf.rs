@@ -7,8 +7,20 @@ use crate::simd::{Block, Kernels, LANES};
 
 /// What becomes of hits.
 pub(crate) trait Collector {
+    /// What it begins with.
+    type Start;
+
     /// Whether any hit will do, whatever it is: then the test itself can be spared where its outcome is certain.
     const ANY: bool = false;
+
+    /// What comes of it.
+    type Output;
+
+    /// Nothing collected yet.
+    fn new(start: Self::Start) -> Self;
+
+    /// What was collected.
+    fn finish(self) -> Self::Output;
 
     /// Learns that there is a hit, where any will do.
     #[inline(always)]
@@ -19,10 +31,22 @@ pub(crate) trait Collector {
 }
 
 /// The nearest hit.
-#[derive(Default)]
 pub(crate) struct Closest(pub(crate) Option<Hit>);
 
 impl Collector for Closest {
+    type Start = ();
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn new((): ()) -> Self {
+        Self(None)
+    }
+
+    #[inline(always)]
+    fn finish(self) -> Option<Hit> {
+        self.0
+    }
+
     #[inline(always)]
     fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
         if self.0.is_none_or(|best| hit.wins_over(&best)) {
@@ -33,11 +57,22 @@ impl Collector for Closest {
 }
 
 /// Whether there is any hit.
-#[derive(Default)]
 pub(crate) struct Any(pub(crate) bool);
 
 impl Collector for Any {
     const ANY: bool = true;
+    type Start = ();
+    type Output = bool;
+
+    #[inline(always)]
+    fn new((): ()) -> Self {
+        Self(false)
+    }
+
+    #[inline(always)]
+    fn finish(self) -> bool {
+        self.0
+    }
 
     #[inline(always)]
     fn certain(&mut self) {
@@ -54,7 +89,18 @@ impl Collector for Any {
 /// All hits that own their crossing; one that lies in several cells comes several times.
 pub(crate) struct All<'a>(pub(crate) &'a mut Vec<Hit>);
 
-impl Collector for All<'_> {
+impl<'a> Collector for All<'a> {
+    type Start = &'a mut Vec<Hit>;
+    type Output = ();
+
+    #[inline(always)]
+    fn new(hits: &'a mut Vec<Hit>) -> Self {
+        Self(hits)
+    }
+
+    #[inline(always)]
+    fn finish(self) {}
+
     #[inline(always)]
     fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
         if owns_crossing(frame, &corners()) {
@@ -82,8 +128,8 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Prepares a valid ray.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
-        let frame = K::ray_frame(ray);
-        Self { frame, lanes: K::frame(&frame), ray_mask: ray.mask, masks }
+        let (frame, lanes) = K::frames(ray);
+        Self { frame, lanes, ray_mask: ray.mask, masks }
     }
 
     /// The end of interest, in the ray's own `t`.
@@ -118,17 +164,21 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Tests the `wanted` lanes of a block: whether the end of interest has moved; nothing if the ray is done.
     #[inline(always)]
     pub(crate) fn test<C: Collector>(&mut self, block: &Block, wanted: u32, collector: &mut C) -> Option<bool> {
-        let sifted = K::sift(&self.lanes, block);
-        if C::ANY && sifted.certain & wanted != 0 && self.masks.is_none() {
+        let sifted = if C::ANY {
+            K::sift::<true>(&self.lanes, block, wanted)
+        } else {
+            K::sift::<false>(&self.lanes, block, wanted)
+        };
+        if C::ANY && sifted.certain != 0 && self.masks.is_none() {
             collector.certain();
             return None;
         }
-        let (mut moved, mut candidates) = (false, sifted.possible & wanted);
+        let (mut moved, mut candidates) = (false, sifted.possible);
         while candidates != 0 {
             let i = candidates.trailing_zeros() as usize;
             candidates &= candidates - 1;
             let id = block.ids[i];
-            let corners = block.corners_along(i, self.frame.k);
+            let corners = K::corners(&self.frame, &self.lanes, block, i);
             let Some(hit) = hit_along(&self.frame, &corners, TriId(id)) else { continue };
             if self.masks.is_some_and(|m| m[id as usize] & self.ray_mask == 0) {
                 continue;

@@ -70,9 +70,11 @@ impl Effect {
         Some(Self { mean, interval, ..effect })
     }
 
+    /// A single pair shows a difference, but not how sure it is.
     pub(super) fn verdict(&self) -> Verdict {
         match self.interval {
             [low, high] if low >= 0.99 && high <= 1.01 => Verdict::Same,
+            _ if self.n < 2 => Verdict::Open,
             [_, high] if high < 1.0 => Verdict::Better,
             [low, _] if low > 1.0 => Verdict::Worse,
             _ => Verdict::Open,

@@ -19,13 +19,17 @@ pub struct Shown {
     pub why: String,
 }
 
+/// Those in which trees are trained on the view that they are tested on.
+const EXPERIMENTS: [&str; 3] = ["modes", "paper", "occlusion"];
+
 /// Chooses by the steps of primary rays at rest, which are exact: equal records, equal choice.
 pub fn views_to_show(records: &[Record]) -> Vec<Shown> {
     let all = pairs(records);
     let base = rdh::Spec::default();
+    let trained_there = |p: &&Pair<'_>| EXPERIMENTS.contains(&p.job.experiment.as_str());
     let counts = |p: &&Pair<'_>| p.class.is_none() && p.job.mode == Mode::Primary && p.job.frame == 0;
     let candidates: Vec<&Pair<'_>> =
-        all.iter().filter(counts).filter(|p| p.spec == ours() && p.base == base && p.x.is_none()).collect();
+        all.iter().filter(trained_there).filter(counts).filter(|p| p.spec == ours() && p.base == base).collect();
     let mut shown: Vec<Shown> = Vec::new();
     let mut show = |pair: Option<&&Pair<'_>>, what: &str| {
         let Some((pair, ratio)) = pair.and_then(|p| Some((p, p.ratio(Metric::Steps)?))) else { return };

@@ -89,8 +89,10 @@ fn effects_of(caption: &str, groups: &[Group<'_, '_>], keys: &[Key], metrics: &[
     let columns: Vec<usize> = varying.into_iter().filter(|&i| keys[i] != Key::Base).collect();
     let (heading, columns) = match columns.as_slice() {
         [] => (None, vec![0]),
-        [one] => (None, vec![*one]),
-        [first, others @ ..] => (Some(*first), others.to_vec()),
+        [first, others @ ..] if !others.is_empty() && stands_over_some(groups, *first) => {
+            (Some(*first), others.to_vec())
+        }
+        all => (None, all.to_vec()),
     };
     let mut rows: Vec<Vec<Markup>> = Vec::new();
     for (i, g) in groups.iter().enumerate() {
@@ -109,6 +111,12 @@ fn effects_of(caption: &str, groups: &[Group<'_, '_>], keys: &[Key], metrics: &[
         heads.push(">slower".to_owned());
     }
     table(caption, &heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
+}
+
+/// Whether headings by this key would have more than a line or so below them.
+fn stands_over_some(groups: &[Group<'_, '_>], key: usize) -> bool {
+    let headings = groups.chunk_by(|a, b| a.labels[key] == b.labels[key]).count();
+    2 * groups.len() >= 3 * headings
 }
 
 /// A label; what stands in the line above is there for those who hear the table, not for eyes.
@@ -227,4 +235,18 @@ fn rank(group: &Group<'_, '_>, keys: &[Key], families: &[String]) -> Rank {
         has(Key::Kind).then_some(first.kind),
         has(Key::Setting).then(place),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_of_one_cell_is_a_heading_over_the_others() {
+        let cell = |words: &str| html! { (words) };
+        let html = table("t", &["a", ">b"], &[vec![cell("head")], vec![cell("x"), cell("1")]]).into_string();
+        assert!(html.contains(r#"<th class="over" scope="rowgroup" colspan="2">head</th>"#), "{html}");
+        assert!(html.contains(r#"<td>x</td><td class="n">1</td>"#), "{html}");
+        assert!(html.contains(r#"<th scope="col">a</th><th scope="col" class="n">b</th>"#), "{html}");
+    }
 }

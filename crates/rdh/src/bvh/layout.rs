@@ -5,7 +5,7 @@ use super::collapse::Cuts;
 use super::link::Link;
 use crate::error::{Error, Result};
 use crate::geom::Vec3;
-use crate::mem::reserve;
+use crate::mem::{reserve, settled};
 use crate::simd::{Block, Boxes, LANES};
 
 /// A finished tree's arrays.
@@ -46,7 +46,8 @@ pub(crate) fn lay_out<const W: usize>(
         layout.place_all()?;
     }
     layout.close_blocks();
-    Ok(layout.arrays)
+    let Arrays { nodes, blocks, tally } = layout.arrays;
+    Ok(Arrays { nodes: settled(&nodes, "nodes")?, blocks: settled(&blocks, "blocks of triangles")?, tally })
 }
 
 struct Layout<'a, F, G, const W: usize> {

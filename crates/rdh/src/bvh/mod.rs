@@ -113,23 +113,19 @@ impl<const W: usize> Bvh<W> {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        let mut collector = leaf::Closest::default();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
-        collector.0
+        self.level.run(trace::Walk::<_, leaf::Closest, W> { tree: self, ray, probe, start: () })
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        let mut collector = leaf::Any::default();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut collector });
-        collector.0
+        self.level.run(trace::Walk::<_, leaf::Any, W> { tree: self, ray, probe, start: () })
     }
 
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();
-        self.level.run(trace::Walk { tree: self, ray, probe, collector: &mut leaf::All(hits) });
+        self.level.run(trace::Walk::<_, leaf::All<'_>, W> { tree: self, ray, probe, start: hits });
         leaf::in_order(hits);
     }
 

@@ -7,18 +7,18 @@
 use super::Bvh;
 use super::binary::DEEPEST;
 use super::link::Link;
-use crate::geom::{PlaneFrame, Ray};
+use crate::geom::Ray;
 use crate::leaf::{Collector, Tester};
 use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
-use crate::simd::{BoxRay, Entered, Job, Kernels};
+use crate::simd::{Entered, Job, Kernels, guessed};
 
 /// One ray's way through a tree.
-pub(crate) struct Walk<'a, P, C, const W: usize> {
+pub(crate) struct Walk<'a, P, C: Collector, const W: usize> {
     pub(crate) tree: &'a Bvh<W>,
     pub(crate) ray: &'a Ray,
     pub(crate) probe: &'a mut P,
-    pub(crate) collector: &'a mut C,
+    pub(crate) start: C::Start,
 }
 
 /// A child to be visited, and where the ray enters its box.
@@ -32,29 +32,27 @@ struct Entry {
 const STACK: usize = 7 * DEEPEST as usize + 8;
 
 impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
-    type Output = ();
+    /// What was collected.
+    type Output = C::Output;
 
     #[inline(always)]
-    fn run<K: Kernels>(self) {
-        let Self { tree, ray, probe, collector } = self;
-        if !ray.is_valid() {
-            return;
-        }
-        let frame = PlaneFrame::new(ray, tree.scale, tree.magnitude);
-        let boxes = K::box_ray(&BoxRay::new(&frame));
+    fn run<K: Kernels>(self) -> C::Output {
+        let Self { tree, ray, probe, start } = self;
+        let mut collector = C::new(start);
+        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector.finish() };
         let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
+        let nodes = &tree.nodes[..];
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
-        let mut end = frame.t_max;
         let mut link = Link::node(0);
         let mut t = Entered([0.0; W]);
         loop {
             if !link.is_leaf() {
                 probe.interior();
-                let node = &tree.nodes[link.index()];
-                let met = K::meet(&boxes, node, end, &mut t);
+                let node = &nodes[link.index()];
+                let met = K::meet(&boxes, node, &mut t);
                 if met != 0 {
-                    let first = met.trailing_zeros() as usize;
+                    let first = guessed(met.trailing_zeros() as usize) & (W - 1);
                     let rest = met & (met - 1);
                     link = Link(node.links[first]);
                     if rest == 0 {
@@ -69,16 +67,16 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
                 }
             } else {
                 probe.leaf(link.count());
-                match tester.test(&tree.blocks[link.block()], link.lanes(), collector) {
-                    Some(true) => end = frame.scaled_t(tester.t_max()).next_up(),
+                match tester.test(&tree.blocks[link.block()], link.lanes(), &mut collector) {
+                    Some(true) => K::end_at(&mut boxes, tester.t_max()),
                     Some(false) => {}
-                    None => return,
+                    None => return collector.finish(),
                 }
             }
             link = loop {
                 match stack.pop() {
-                    None => return,
-                    Some(entry) if !C::ANY && entry.t > end => {}
+                    None => return collector.finish(),
+                    Some(entry) if !C::ANY && entry.t > K::end(&boxes) => {}
                     Some(entry) => break entry.link,
                 }
             };
@@ -112,7 +110,7 @@ fn push_in_order<const W: usize>(
     first: Entry,
     mut rest: u32,
 ) -> Link {
-    let i = rest.trailing_zeros() as usize & (W - 1);
+    let i = guessed(rest.trailing_zeros() as usize) & (W - 1);
     rest &= rest - 1;
     let second = Entry { t: t.0[i], link: Link(links[i]) };
     let (mut near, far) = if second.t < first.t { (second, first) } else { (first, second) };

@@ -54,7 +54,9 @@ pub struct PlaneFrame {
     pub origin: Vec3,
     /// The reciprocal of the direction: finite, with the direction's sign (that of a zero too).
     pub inverse: Vec3,
-    /// By how much, in `t`, a plane is widened on each side.
+    /// By how much a plane is widened on each side …
+    pub slack: f32,
+    /// … and that in `t`.
     pub pad: Vec3,
     /// The ray's own interval, in this space.
     pub t_min: f32,
@@ -65,12 +67,12 @@ pub struct PlaneFrame {
 }
 
 impl PlaneFrame {
-    /// A direction component below this part of the largest counts as parallel to the plane:
-    /// over the whole scene it moves the ray by 10⁻⁹ of the slack.
-    const PARALLEL: f32 = 1e-15;
+    /// A direction component below this counts as parallel to the plane: it is at most 2⁻⁵⁰ of the largest one, and over the
+    /// whole scene moves the ray by 10⁻⁹ of the slack.
+    pub(crate) const PARALLEL: f32 = 1.0 / (1u64 << 58) as f32;
     /// Beyond this distance (in scaled space, where the structure lies within 2²¹) everything is visited:
     /// the slack is then larger than the structure.
-    const FAR: f32 = (1u64 << 62) as f32;
+    pub(crate) const FAR: f32 = (1u64 << 62) as f32;
     /// A reciprocal with which every plane of the structure is nearer than the pad, but those of absent boxes are not.
     const EVERYWHERE: f32 = 128.0;
 
@@ -82,26 +84,25 @@ impl PlaneFrame {
         let slack = RayFrame::slack(ray.origin, magnitude);
         // Almost always nothing has to be scaled, and the ray starts nearby.
         if scale.factor() == 1.0 && is_near_one(reach, Self::UNITS) && slack < Self::FAR_SLACK {
-            return Self::nearby(ray.origin, ray.direction, reach, slack, (ray.t_min, ray.t_max), 1.0);
+            return Self::nearby(ray.origin, ray.direction, slack, (ray.t_min, ray.t_max), 1.0);
         }
         Self::unusual(ray, scale, magnitude, reach)
     }
 
     /// Directions of a length within 2^±UNITS are left alone.
-    const UNITS: u32 = 8;
+    pub(crate) const UNITS: u32 = 8;
     /// The slack of rays that start too far away to tell planes apart.
     const FAR_SLACK: f32 = Self::FAR / (1 << 21) as f32;
 
     /// A ray whose planes can be told apart, in scaled space and units.
     #[inline(always)]
-    fn nearby(origin: Vec3, direction: Vec3, reach: f32, slack: f32, (t_min, t_max): (f32, f32), t_scale: f64) -> Self {
-        let least = reach * Self::PARALLEL;
+    fn nearby(origin: Vec3, direction: Vec3, slack: f32, (t_min, t_max): (f32, f32), t_scale: f64) -> Self {
         // Four lanes, so that one vector does all: the last one is not used.
-        let d = [direction[0], direction[1], direction[2], reach];
-        let inverse = d.map(|d| 1.0 / if d.abs() >= least { d } else { least.copysign(d) });
+        let d = [direction[0], direction[1], direction[2], 1.0];
+        let inverse = d.map(|d| 1.0 / if d.abs() >= Self::PARALLEL { d } else { Self::PARALLEL.copysign(d) });
         let pad = inverse.map(|x| slack * x.abs());
         let ([ix, iy, iz, _], [px, py, pz, _]) = (inverse, pad);
-        Self { origin, inverse: [ix, iy, iz], pad: [px, py, pz], t_min, t_max, t_scale }
+        Self { origin, inverse: [ix, iy, iz], slack, pad: [px, py, pz], t_min, t_max, t_scale }
     }
 
     #[cold]
@@ -115,10 +116,11 @@ impl PlaneFrame {
         let slack = RayFrame::slack(origin, magnitude);
         if slack < Self::FAR_SLACK {
             let direction = ray.direction.map(|x| x * shorten);
-            return Self::nearby(origin, direction, reach * shorten, slack, interval, t_scale);
+            return Self::nearby(origin, direction, slack, interval, t_scale);
         }
         let (inverse, pad) = ([Self::EVERYWHERE; 3], [f32::MAX / 4.0; 3]);
-        Self { origin: [0.0; 3], inverse, pad, t_min: interval.0, t_max: interval.1, t_scale }
+        let slack = f32::MAX / 4.0 / Self::EVERYWHERE;
+        Self { origin: [0.0; 3], inverse, slack, pad, t_min: interval.0, t_max: interval.1, t_scale }
     }
 
     /// Where the ray enters a box and where it leaves it, within its own interval; it misses if that is empty.
@@ -132,6 +134,12 @@ impl PlaneFrame {
             far = smaller(far, larger(t0, t1) + self.pad[a]);
         }
         (near, far)
+    }
+
+    /// This space's `t` for 1 of the ray's: a power of two.
+    #[inline(always)]
+    pub(crate) fn t_scale(&self) -> f64 {
+        self.t_scale
     }
 
     /// The ray's `t` in this space.

@@ -105,10 +105,13 @@ pub(crate) struct Depths {
 }
 
 impl Depths {
-    /// More than all roundings on the way from a limit of `t` to a depth.
+    /// The part of a depth, …
+    pub(crate) const SLACK: f32 = 1.0 / (1 << 20) as f32;
+
+    /// … which is more than all roundings on the way from a limit of `t` to it.
     #[inline(always)]
     fn slack(x: f32) -> f32 {
-        x.abs() * (1.0 / (1 << 20) as f32) + f32::MIN_POSITIVE
+        x.abs() * Self::SLACK + f32::MIN_POSITIVE
     }
 }
 

@@ -17,11 +17,11 @@ use crate::probe::Probe;
 use crate::simd::{Job, Kernels};
 
 /// One ray's way through a tree.
-pub(crate) struct Walk<'a, P, C> {
+pub(crate) struct Walk<'a, P, C: Collector> {
     pub(crate) tree: &'a KdTree,
     pub(crate) ray: &'a Ray,
     pub(crate) probe: &'a mut P,
-    pub(crate) collector: &'a mut C,
+    pub(crate) start: C::Start,
 }
 
 /// A subtree to be visited, and the part of the ray that is in it.
@@ -59,18 +59,20 @@ impl Planes {
 }
 
 impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
-    type Output = ();
+    /// What was collected.
+    type Output = C::Output;
 
     #[inline(always)]
-    fn run<K: Kernels>(self) {
+    fn run<K: Kernels>(self) -> C::Output {
+        let mut collector = C::new(self.start);
         if !self.ray.is_valid() {
-            return;
+            return collector.finish();
         }
         let tree = self.tree;
         let plane_frame = PlaneFrame::new(self.ray, tree.scale, tree.magnitude);
         let (mut t_near, mut t_far) = plane_frame.span(&tree.bounds);
         if t_near > t_far {
-            return;
+            return collector.finish();
         }
         let mut tester = Tester::<K>::new(self.ray, tree.masks.as_deref());
         let planes = Planes::new(&plane_frame);
@@ -106,15 +108,15 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             self.probe.leaf(count);
             if count > 0 {
                 let blocks = &tree.blocks[block as usize..];
-                match tester.test_run(blocks, lane, count, self.collector) {
+                match tester.test_run(blocks, lane, count, &mut collector) {
                     Some(true) => end = plane_frame.scaled_t(tester.t_max()).next_up(),
                     Some(false) => {}
-                    None => return,
+                    None => return collector.finish(),
                 }
             }
             let entry = loop {
                 match stack.pop() {
-                    None => return,
+                    None => return collector.finish(),
                     Some(entry) if entry.t_near > end => {}
                     Some(entry) => break entry,
                 }

@@ -1,8 +1,10 @@
-//! Memory: fallible allocation, and buffers that are not cleared before use.
-#![allow(unsafe_code, reason = "uninitialised buffers are the purpose of this module")]
+//! Memory: fallible allocation, large pages, and buffers that are not cleared before use.
+#![allow(unsafe_code, reason = "uninitialised buffers and advice about pages are the purpose of this module")]
 
+mod settled;
 mod stack;
 
+pub(crate) use settled::settled;
 pub(crate) use stack::{Slots, Stack};
 
 use crate::error::{Error, Result};

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::portable::Portable;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
-use crate::geom::{Depths, Ray, RayFrame};
+use crate::geom::{Depths, PlaneFrame, Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX2.
 ///
@@ -24,8 +24,10 @@ pub(crate) struct Avx2;
 pub(crate) struct Frame {
     /// Where a corner's coordinates along the frame's axes begin: 0, 8 and 16 in some order.
     rows: [usize; 3],
-    origin: [__m256; 3],
+    /// The origin, negated: adding it takes its operand from memory, subtracting the origin would not.
+    back: [__m256; 3],
     shear: [__m256; 2],
+    direction_z: __m256,
     pub(super) limits: Limits,
 }
 
@@ -45,85 +47,95 @@ impl Kernels for Avx2 {
     type BoxRay = WideRay;
 
     #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        ray_frame(ray)
-    }
-
-    #[inline(always)]
-    fn frame(frame: &RayFrame) -> Frame {
-        let ([kx, ky, kz], [ox, oy, oz]) = (frame.k, frame.origin);
-        // SAFETY: see above.
-        unsafe {
-            Frame {
-                limits: spread(&frame.depths()),
-                rows: [kx.min(2) * LANES, ky.min(2) * LANES, kz.min(2) * LANES],
-                origin: [_mm256_set1_ps(ox), _mm256_set1_ps(oy), _mm256_set1_ps(oz)],
-                shear: [_mm256_set1_ps(frame.shear[0]), _mm256_set1_ps(frame.shear[1])],
-            }
-        }
+    fn frames(ray: &Ray) -> (RayFrame, Frame) {
+        frames(ray)
     }
 
     #[inline(always)]
     fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        lanes.limits = spread(&frame.depths());
+        // SAFETY: see above.
+        lanes.limits = unsafe { limits(_mm256_set1_ps(frame.t_min), _mm256_set1_ps(frame.t_max), lanes.direction_z) };
     }
 
     #[inline(always)]
-    fn sift(frame: &Frame, block: &Block) -> Sifted {
-        let (p0, p1, p2) =
-            (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
-        let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
+        let spans = spans(frame, block);
+        let Spans { least, most, first, last, .. } = spans;
         // SAFETY: see above.
         unsafe {
             let zero = _mm256_setzero_ps();
-            let (u_below, u_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(u, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(u, zero));
-            let (v_below, v_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(v, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(v, zero));
-            let (w_below, w_above) = (_mm256_cmp_ps::<_CMP_LT_OQ>(w, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(w, zero));
-            let outside = _mm256_and_ps(
-                _mm256_or_ps(_mm256_or_ps(u_below, v_below), w_below),
-                _mm256_or_ps(_mm256_or_ps(u_above, v_above), w_above),
-            );
-            let inside = _mm256_or_ps(
-                _mm256_and_ps(_mm256_and_ps(u_below, v_below), w_below),
-                _mm256_and_ps(_mm256_and_ps(u_above, v_above), w_above),
-            );
-            // A hit's depth lies between those of the corners.
-            let first = _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2);
-            let last = _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2);
+            // A hit's depth lies between those of the corners. What is not a number says nothing.
+            let outside =
+                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(most, zero));
             let beyond = _mm256_or_ps(
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
             );
+            let possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            if !CERTAIN {
+                return Sifted { possible, certain: 0 };
+            }
+            let sum = spans.sum();
+            let inside =
+                _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero));
             let within = _mm256_and_ps(
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.surely_from),
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.surely_to),
             );
-            Sifted {
-                possible: !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & 0xff,
-                certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32,
-            }
+            let inside = _mm256_and_ps(inside, _mm256_cmp_ps::<_CMP_ORD_Q>(sum, sum));
+            Sifted { possible, certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32 & wanted }
         }
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> WideRay {
-        WideRay::new(ray)
+    fn corners(_: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
+        let (p, lane) = (block.corners.as_ptr().cast::<f32>(), lane & (LANES - 1));
+        let [x, y, z] = frame.rows;
+        // SAFETY: a block has three corners of three rows of eight floats; a lane is at most 7, and a frame's rows begin at 16 at most.
+        unsafe {
+            let (x, y, z) = (p.add(x + lane), p.add(y + lane), p.add(z + lane));
+            const NEXT: usize = 3 * LANES;
+            [
+                [*x, *y, *z],
+                [*x.add(NEXT), *y.add(NEXT), *z.add(NEXT)],
+                [*x.add(2 * NEXT), *y.add(2 * NEXT), *z.add(2 * NEXT)],
+            ]
+        }
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<WideRay> {
+        let axes = match usual(ray, scale, magnitude) {
+            Some(axes) => axes,
+            None => unusual(ray, scale, magnitude)?,
+        };
+        Some(WideRay::new(&axes))
+    }
+
+    #[inline(always)]
+    fn end(ray: &WideRay) -> f32 {
+        // SAFETY: see above.
+        unsafe { _mm256_cvtss_f32(ray.end) }
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut WideRay, t: f32) {
+        // SAFETY: see above.
+        ray.end = unsafe { _mm256_set1_ps(BoxRay::end_for(t, ray.t_scale)) };
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
         // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
         unsafe {
             if W == 8 {
-                let (near, far) = enter_and_leave(ray, boxes, end);
+                let (near, far) = enter_and_leave(ray, boxes);
                 _mm256_store_ps(t.0.as_mut_ptr(), near);
                 _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
-            } else if W == 4 {
-                let (near, far) = enter_and_leave_four(ray, boxes, end);
-                _mm_store_ps(t.0.as_mut_ptr(), near);
-                _mm_movemask_ps(_mm_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32
             } else {
-                Portable::meet(&ray.narrow, boxes, end, t)
+                let (near, far) = enter_and_leave_few(ray, boxes);
+                store_few(t, near);
+                _mm_movemask_ps(_mm_cmp_ps::<_CMP_LE_OQ>(near, far)) as u32 & ((1 << W) - 1)
             }
         }
     }
@@ -184,41 +196,167 @@ impl Kernels for Avx2 {
     }
 }
 
-/// Which axis becomes z, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
-const LONGEST: [u8; 8] = [2, 2, 1, 1, 2, 0, 1, 0];
-/// The frame's axes for each choice of z.
-const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
-/// The same as lanes.
-const ORDER: [[i32; 4]; 3] = [[1, 2, 0, 0], [2, 0, 1, 1], [0, 1, 2, 2]];
+/// The axes of a frame: where their rows begin in a corner's part of a block, and their lanes.
+#[derive(Clone, Copy)]
+struct Axes {
+    k: [usize; 3],
+    rows: [usize; 3],
+    lanes: [i32; 4],
+}
 
-/// [`RayFrame::new`] without a branch: which component is the longest is as good as random.
+impl Axes {
+    const fn new(x: usize, y: usize, z: usize) -> Self {
+        let lanes = [x as i32, y as i32, z as i32, z as i32];
+        Self { k: [x, y, z], rows: [x * LANES, y * LANES, z * LANES], lanes }
+    }
+}
+
+/// If the ray moves most along x, y or z.
+const X: Axes = Axes::new(1, 2, 0);
+const Y: Axes = Axes::new(2, 0, 1);
+const Z: Axes = Axes::new(0, 1, 2);
+/// The frame's axes, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
+static AXES: [Axes; 8] = [Z, Z, Y, Y, Z, X, Y, X];
+
+/// [`RayFrame::new`] without a branch: which component is the longest is as good as random. Both halves of a register do the same.
 #[inline(always)]
-pub(super) fn ray_frame(ray: &Ray) -> RayFrame {
+fn frames(ray: &Ray) -> (RayFrame, Frame) {
     // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
-        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
-        let size = _mm_andnot_ps(_mm_set1_ps(-0.0), direction);
+        let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), direction);
         // x > y, y > z, and x > z in lane 2.
-        let (these, those) = (_mm_shuffle_ps::<0b00_00_01_00>(size, size), _mm_shuffle_ps::<0b10_10_10_01>(size, size));
-        let longer = _mm_movemask_ps(_mm_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
-        let z = usize::from(LONGEST[longer]);
-        let order = _mm_loadu_si128(ORDER[z].as_ptr().cast());
-        let (o, d) = (_mm_permutevar_ps(origin, order), _mm_permutevar_ps(direction, order));
-        let dz = _mm_shuffle_ps::<0b10_10_10_10>(d, d);
-        let shear = _mm_div_ps(d, dz);
-        let (mut from, mut by) = ([0.0; 4], [0.0; 4]);
-        _mm_storeu_ps(from.as_mut_ptr(), o);
-        _mm_storeu_ps(by.as_mut_ptr(), shear);
-        RayFrame {
-            k: AXES[z],
-            origin: [from[0], from[1], from[2]],
-            shear: [by[0], by[1]],
-            direction_z: _mm_cvtss_f32(dz),
+        let these = _mm256_shuffle_ps::<0b00_00_01_00>(size, size);
+        let those = _mm256_shuffle_ps::<0b10_10_10_01>(size, size);
+        let longer = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
+        let axes = &AXES[longer];
+        let order = _mm256_castps_si256(load_twice(axes.lanes.as_ptr().cast()));
+        let (o, d) = (_mm256_permutevar_ps(origin, order), _mm256_permutevar_ps(direction, order));
+        let direction_z = _mm256_permute_ps::<0b10_10_10_10>(d);
+        let shear = _mm256_div_ps(d, direction_z);
+        let (back, [shear_x, shear_y, _]) = (spread_axes(_mm256_xor_ps(_mm256_set1_ps(-0.0), o)), spread_axes(shear));
+        let frame = RayFrame {
+            k: axes.k,
+            origin: [-_mm256_cvtss_f32(back[0]), -_mm256_cvtss_f32(back[1]), -_mm256_cvtss_f32(back[2])],
+            shear: [_mm256_cvtss_f32(shear_x), _mm256_cvtss_f32(shear_y)],
+            direction_z: _mm256_cvtss_f32(direction_z),
             t_min: ray.t_min,
             t_max: ray.t_max,
-        }
+        };
+        let limits = limits(_mm256_set1_ps(ray.t_min), _mm256_set1_ps(ray.t_max), direction_z);
+        (frame, Frame { rows: axes.rows, back, shear: [shear_x, shear_y], direction_z, limits })
     }
+}
+
+/// [`RayFrame::depths`](crate::geom::RayFrame), all at once.
+#[inline(always)]
+fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        let a = _mm256_mul_ps(_mm256_max_ps(t_min, _mm256_set1_ps(f32::MIN)), direction_z);
+        let b = _mm256_mul_ps(_mm256_min_ps(t_max, _mm256_set1_ps(f32::MAX)), direction_z);
+        // The lower end twice, the upper end twice: an end's even lane is lowered, its odd one is raised.
+        let ends = _mm256_blend_ps::<0b1100_1100>(_mm256_min_ps(a, b), _mm256_max_ps(a, b));
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), ends);
+        let slack = _mm256_mul_ps(size, _mm256_set1_ps(Depths::SLACK));
+        let ends = _mm256_addsub_ps(ends, _mm256_add_ps(slack, _mm256_set1_ps(f32::MIN_POSITIVE)));
+        let [nearest, surely_from, surely_to] = spread_axes(ends);
+        Limits { nearest, farthest: _mm256_permute_ps::<0b11_11_11_11>(ends), surely_from, surely_to }
+    }
+}
+
+/// Four floats, in both halves of a register.
+///
+/// # Safety
+/// As in `Avx2`; at `p` there are four floats.
+#[inline(always)]
+unsafe fn load_twice(p: *const f32) -> __m256 {
+    // SAFETY: see above.
+    unsafe { _mm256_castsi256_ps(_mm256_broadcastsi128_si256(_mm_castps_si128(_mm_loadu_ps(p)))) }
+}
+
+/// A [`BoxRay`] whose axes lie in the first three lanes of both halves.
+#[derive(Clone, Copy)]
+struct AxesRay {
+    inverse: __m256,
+    enters: __m256,
+    leaves: __m256,
+    t_min: f32,
+    end: f32,
+    t_scale: f64,
+    down: usize,
+}
+
+/// The largest sizes of an origin's and a direction's components with which a ray needs no special care …
+const MOST: [[f32; 4]; 2] = {
+    let (far, long) = (PlaneFrame::FAR.next_down(), ((2 << PlaneFrame::UNITS) as f32).next_down());
+    [[far, far, far, long], [long, long, long, f32::INFINITY]]
+};
+/// … and the smallest ones of a direction's, of which one has to be reached.
+const LEAST: [f32; 4] = {
+    let (never, short) = (f32::NAN, 1.0 / (1 << PlaneFrame::UNITS) as f32);
+    [short, short, short, never]
+};
+
+/// [`BoxRay::new`] for nearly all rays: valid, and with nothing to be scaled.
+#[inline(always)]
+fn usual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
+    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
+    unsafe {
+        let p = std::ptr::from_ref(ray).cast::<f32>();
+        // Twice in a register, so that the axes can be spread by the fast shuffles, which stay within halves.
+        let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
+        let sign = _mm256_set1_ps(-0.0);
+        let (from, along) = (_mm256_andnot_ps(sign, origin), _mm256_andnot_ps(sign, direction));
+        // What is not a number compares as false.
+        let near = _mm256_cmp_ps::<_CMP_LE_OQ>(from, load_twice(MOST[0].as_ptr()));
+        let short = _mm256_cmp_ps::<_CMP_LE_OQ>(along, load_twice(MOST[1].as_ptr()));
+        let moves = _mm256_cmp_ps::<_CMP_GE_OQ>(along, load_twice(LEAST.as_ptr()));
+        let is_usual = _mm256_movemask_ps(_mm256_and_ps(near, short)) == 0xff
+            && _mm256_movemask_ps(moves) != 0
+            && ray.t_min <= ray.t_max
+            && scale.factor() == 1.0;
+        if !is_usual {
+            return None;
+        }
+        let (from_y, from_z) =
+            (_mm256_shuffle_ps::<0b00_00_10_01>(from, from), _mm256_shuffle_ps::<0b00_01_00_10>(from, from));
+        let reach = _mm256_max_ps(_mm256_max_ps(from, from_y), from_z);
+        let slack =
+            _mm256_mul_ps(_mm256_add_ps(reach, _mm256_set1_ps(magnitude)), _mm256_set1_ps(1.0 / (1 << 21) as f32));
+        let signs = _mm256_and_ps(sign, direction);
+        let slack = _mm256_or_ps(slack, signs);
+        // Sizes compare like integers, which is faster.
+        let parallel = _mm256_castps_si256(_mm256_set1_ps(PlaneFrame::PARALLEL));
+        let along = _mm256_castsi256_ps(_mm256_max_epu32(_mm256_castps_si256(along), parallel));
+        let inverse = _mm256_div_ps(_mm256_set1_ps(1.0), _mm256_or_ps(along, signs));
+        let back = _mm256_xor_ps(sign, origin);
+        let enters = _mm256_mul_ps(_mm256_sub_ps(back, slack), inverse);
+        let leaves = _mm256_mul_ps(_mm256_add_ps(back, slack), inverse);
+        let down = _mm256_movemask_ps(direction) as usize;
+        Some(AxesRay { inverse, enters, leaves, t_min: ray.t_min, end: ray.t_max, t_scale: 1.0, down })
+    }
+}
+
+/// [`BoxRay::new`] for all others.
+#[inline(always)]
+fn unusual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
+    #[cold]
+    #[inline(never)]
+    fn prepare(ray: &Ray, scale: Scale, magnitude: f32) -> Option<BoxRay> {
+        BoxRay::new(ray, scale, magnitude)
+    }
+    let ray = prepare(ray, scale, magnitude)?;
+    let (inverse, enters, leaves) = (twice(ray.inverse), twice(ray.enters), twice(ray.leaves));
+    let BoxRay { t_min, end, t_scale, .. } = ray;
+    Some(AxesRay { inverse, enters, leaves, t_min, end, t_scale, down: ray.down() })
+}
+
+#[inline(always)]
+fn twice([x, y, z]: [f32; 3]) -> __m256 {
+    // SAFETY: as in `Avx2`.
+    unsafe { _mm256_setr_ps(x, y, z, 0.0, x, y, z, 0.0) }
 }
 
 /// A [`BoxRay`] in registers.
@@ -228,26 +366,52 @@ pub(crate) struct WideRay {
     enters: [__m256; 3],
     leaves: [__m256; 3],
     t_min: __m256,
+    end: __m256,
+    /// Where in a node of eight the rows of planes begin that are met first.
     near: [usize; 3],
-    /// For boxes in pairs, which are too few for vectors.
-    pub(super) narrow: BoxRay,
+    t_scale: f64,
 }
+
+/// The rows of planes met first, by the directions a ray runs: a bit an axis, 1 for down.
+static NEAR: [[usize; 3]; 8] = {
+    let mut near = [[0; 3]; 8];
+    let mut i = 0;
+    while i < 24 {
+        let (down, axis) = (i / 3, i % 3);
+        near[down][axis] = ((down >> axis & 1) * 3 + axis) * 8;
+        i += 1;
+    }
+    near
+};
 
 impl WideRay {
     #[inline(always)]
-    pub(super) fn new(ray: &BoxRay) -> Self {
-        let ([ix, iy, iz], [ex, ey, ez], [lx, ly, lz]) = (ray.inverse, ray.enters, ray.leaves);
+    fn new(ray: &AxesRay) -> Self {
         // SAFETY: as in `Avx2`.
         unsafe {
             Self {
-                inverse: [_mm256_set1_ps(ix), _mm256_set1_ps(iy), _mm256_set1_ps(iz)],
-                enters: [_mm256_set1_ps(ex), _mm256_set1_ps(ey), _mm256_set1_ps(ez)],
-                leaves: [_mm256_set1_ps(lx), _mm256_set1_ps(ly), _mm256_set1_ps(lz)],
+                inverse: spread_axes(ray.inverse),
+                enters: spread_axes(ray.enters),
+                leaves: spread_axes(ray.leaves),
                 t_min: _mm256_set1_ps(ray.t_min),
-                near: [ray.near[0] & 1, ray.near[1] & 1, ray.near[2] & 1],
-                narrow: *ray,
+                end: _mm256_set1_ps(ray.end),
+                near: NEAR[ray.down & 7],
+                t_scale: ray.t_scale,
             }
         }
+    }
+}
+
+/// Each of the first three lanes, spread over a register whose halves are equal.
+#[inline(always)]
+fn spread_axes(v: __m256) -> [__m256; 3] {
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        [
+            _mm256_permute_ps::<0b00_00_00_00>(v),
+            _mm256_permute_ps::<0b01_01_01_01>(v),
+            _mm256_permute_ps::<0b10_10_10_10>(v),
+        ]
     }
 }
 
@@ -256,11 +420,11 @@ impl WideRay {
 /// # Safety
 /// As in `Avx2`; `W` must be 8.
 #[inline(always)]
-pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32) -> (__m256, __m256) {
+pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m256, __m256) {
     let p = boxes.planes.as_ptr().cast::<f32>();
-    let (nx, ny, nz) = (ray.near[0] * 3 * W, ray.near[1] * 3 * W + W, ray.near[2] * 3 * W + 2 * W);
-    let (fx, fy, fz) = (3 * W - nx, 5 * W - ny, 7 * W - nz);
-    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    let [nx, ny, nz] = ray.near;
+    let (fx, fy, fz) = (3 * 8 - nx, 5 * 8 - ny, 7 * 8 - nz);
+    // SAFETY: every offset is that of one of the six rows of `W` planes, as `NEAR` says.
     unsafe {
         let near_x = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(nx)), ray.inverse[0], ray.enters[0]);
         let near_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(ny)), ray.inverse[1], ray.enters[1]);
@@ -269,68 +433,105 @@ pub(super) unsafe fn enter_and_leave<const W: usize>(ray: &WideRay, boxes: &Boxe
         let far_y = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fy)), ray.inverse[1], ray.leaves[1]);
         let far_z = _mm256_fmadd_ps(_mm256_loadu_ps(p.add(fz)), ray.inverse[2], ray.leaves[2]);
         let near = _mm256_max_ps(_mm256_max_ps(near_x, near_y), _mm256_max_ps(near_z, ray.t_min));
-        let far = _mm256_min_ps(_mm256_min_ps(far_x, far_y), _mm256_min_ps(far_z, _mm256_set1_ps(end)));
+        let far = _mm256_min_ps(_mm256_min_ps(far_x, far_y), _mm256_min_ps(far_z, ray.end));
         (near, far)
     }
 }
 
-/// Where the ray enters and leaves four boxes.
+/// Where the ray enters and leaves two or four boxes.
 ///
 /// # Safety
-/// As in `Avx2`; `W` must be 4.
+/// As in `Avx2`; `W` must be 2 or 4.
 #[inline(always)]
-pub(super) unsafe fn enter_and_leave_four<const W: usize>(
-    ray: &WideRay,
-    boxes: &Boxes<W>,
-    end: f32,
-) -> (__m128, __m128) {
+pub(super) unsafe fn enter_and_leave_few<const W: usize>(ray: &WideRay, boxes: &Boxes<W>) -> (__m128, __m128) {
     let p = boxes.planes.as_ptr().cast::<f32>();
-    // SAFETY: `near` is 0 or 1, so every offset is that of a row of `W` planes: 0 to 5 rows.
+    // SAFETY: every offset is that of one of the six rows of `W` planes, as `NEAR` says.
     unsafe {
-        let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm_set1_ps(end));
+        let (mut near, mut far) = (_mm256_castps256_ps128(ray.t_min), _mm256_castps256_ps128(ray.end));
         for a in 0..3 {
-            let first = (ray.near[a] * 3 + a) * W;
-            let last = ((ray.near[a] ^ 1) * 3 + a) * W;
+            let first = load_few::<W>(p.add(ray.near[a] / 8 * W));
+            let last = load_few::<W>(p.add((3 + 2 * a - ray.near[a] / 8) * W));
             let inverse = _mm256_castps256_ps128(ray.inverse[a]);
-            let enters = _mm256_castps256_ps128(ray.enters[a]);
-            let leaves = _mm256_castps256_ps128(ray.leaves[a]);
-            near = _mm_max_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(first)), inverse, enters), near);
-            far = _mm_min_ps(_mm_fmadd_ps(_mm_loadu_ps(p.add(last)), inverse, leaves), far);
+            near = _mm_max_ps(_mm_fmadd_ps(first, inverse, _mm256_castps256_ps128(ray.enters[a])), near);
+            far = _mm_min_ps(_mm_fmadd_ps(last, inverse, _mm256_castps256_ps128(ray.leaves[a])), far);
         }
         (near, far)
     }
 }
 
+/// # Safety
+/// As in `Avx2`; at `p` there are `W` floats, 2 or 4.
 #[inline(always)]
-pub(super) fn spread(limits: &Depths) -> Limits {
-    // SAFETY: as in `Avx2`.
-    unsafe {
-        Limits {
-            nearest: _mm256_set1_ps(limits.nearest),
-            farthest: _mm256_set1_ps(limits.farthest),
-            surely_from: _mm256_set1_ps(limits.surely_from),
-            surely_to: _mm256_set1_ps(limits.surely_to),
-        }
-    }
+unsafe fn load_few<const W: usize>(p: *const f32) -> __m128 {
+    // SAFETY: see above.
+    unsafe { if W == 2 { _mm_castpd_ps(_mm_load_sd(p.cast())) } else { _mm_loadu_ps(p) } }
+}
+
+/// # Safety
+/// As in `Avx2`; `W` must be 2 or 4.
+#[inline(always)]
+pub(super) unsafe fn store_few<const W: usize>(t: &mut Entered<W>, v: __m128) {
+    let p = t.0.as_mut_ptr();
+    // SAFETY: see above; `t` has `W` floats.
+    unsafe { if W == 2 { _mm_store_sd(p.cast(), _mm_castps_pd(v)) } else { _mm_storeu_ps(p, v) } }
 }
 
 // Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.
 
+/// What sifting asks of eight triangles.
+#[derive(Clone, Copy)]
+pub(super) struct Spans {
+    edges: [__m256; 3],
+    /// The smallest and the largest of the edge functions.
+    pub(super) least: __m256,
+    pub(super) most: __m256,
+    /// The smallest and the largest of the corners' depths.
+    pub(super) first: __m256,
+    pub(super) last: __m256,
+}
+
+impl Spans {
+    /// The sum of the edge functions: no number if one of them is none, which the smallest and the largest don't tell.
+    #[inline(always)]
+    pub(super) fn sum(&self) -> __m256 {
+        let [u, v, w] = self.edges;
+        // SAFETY: as in `Avx2`.
+        unsafe { _mm256_add_ps(_mm256_add_ps(u, v), w) }
+    }
+}
+
+#[inline(always)]
+pub(super) fn spans(frame: &Frame, block: &Block) -> Spans {
+    let (p0, p1, p2) =
+        (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
+    let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+    // SAFETY: as in `Avx2`.
+    unsafe {
+        Spans {
+            edges: [u, v, w],
+            least: _mm256_min_ps(_mm256_min_ps(u, v), w),
+            most: _mm256_max_ps(_mm256_max_ps(u, v), w),
+            first: _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2),
+            last: _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2),
+        }
+    }
+}
+
 /// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
-pub(super) fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
+fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
     let ([x, y, z], p) = (frame.rows, corner.as_ptr().cast::<f32>());
     // SAFETY: as in `Avx2`; a corner has three rows of eight floats, and a frame's rows begin at 16 at most.
     unsafe {
-        let z = _mm256_sub_ps(_mm256_loadu_ps(p.add(z)), frame.origin[2]);
-        let x = _mm256_sub_ps(_mm256_loadu_ps(p.add(x)), frame.origin[0]);
-        let y = _mm256_sub_ps(_mm256_loadu_ps(p.add(y)), frame.origin[1]);
+        let z = _mm256_add_ps(frame.back[2], _mm256_loadu_ps(p.add(z)));
+        let x = _mm256_add_ps(frame.back[0], _mm256_loadu_ps(p.add(x)));
+        let y = _mm256_add_ps(frame.back[1], _mm256_loadu_ps(p.add(y)));
         (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)), z)
     }
 }
 
 #[inline(always)]
-pub(super) fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
+fn cross(a: (__m256, __m256, __m256), b: (__m256, __m256, __m256)) -> __m256 {
     // SAFETY: as in `Avx2`.
     unsafe { _mm256_sub_ps(_mm256_mul_ps(a.0, b.1), _mm256_mul_ps(a.1, b.0)) }
 }

@@ -2,10 +2,9 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, WideRay, cross, enter_and_leave, enter_and_leave_four, ray_frame, shear};
-use super::portable::Portable;
-use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
-use crate::geom::{Ray, RayFrame};
+use super::avx2::{Avx2, Frame, Spans, WideRay, enter_and_leave, enter_and_leave_few, spans, store_few};
+use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
+use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX-512.
 ///
@@ -27,13 +26,8 @@ impl Kernels for Avx512 {
     type BoxRay = WideRay;
 
     #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        ray_frame(ray)
-    }
-
-    #[inline(always)]
-    fn frame(frame: &RayFrame) -> Frame {
-        Avx2::frame(frame)
+    fn frames(ray: &Ray) -> (RayFrame, Frame) {
+        Avx2::frames(ray)
     }
 
     #[inline(always)]
@@ -42,54 +36,63 @@ impl Kernels for Avx512 {
     }
 
     #[inline(always)]
-    fn sift(frame: &Frame, block: &Block) -> Sifted {
-        let (p0, p1, p2) =
-            (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
-        let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
+        let spans = spans(frame, block);
+        let Spans { least, most, first, last, .. } = spans;
         // SAFETY: see above.
         unsafe {
             let zero = _mm256_setzero_ps();
-            let below = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(u, zero)
-                | _mm256_cmp_ps_mask::<_CMP_LT_OQ>(v, zero)
-                | _mm256_cmp_ps_mask::<_CMP_LT_OQ>(w, zero);
-            let above = _mm256_cmp_ps_mask::<_CMP_GT_OQ>(u, zero)
-                | _mm256_cmp_ps_mask::<_CMP_GT_OQ>(v, zero)
-                | _mm256_cmp_ps_mask::<_CMP_GT_OQ>(w, zero);
-            // A hit's depth lies between those of the corners.
-            let first = _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2);
-            let last = _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2);
-            let beyond = _mm256_cmp_ps_mask::<_CMP_LT_OQ>(last, frame.limits.nearest)
-                | _mm256_cmp_ps_mask::<_CMP_GT_OQ>(first, frame.limits.farthest);
-            let possible = !((below & above) | beyond);
-            // Strictly inside: of one sign, and none of them 0 or NaN.
-            let signs = _mm256_cmp_ps_mask::<_CMP_NEQ_OQ>(u, zero)
-                & _mm256_cmp_ps_mask::<_CMP_NEQ_OQ>(v, zero)
-                & _mm256_cmp_ps_mask::<_CMP_NEQ_OQ>(w, zero);
-            let within = _mm256_cmp_ps_mask::<_CMP_GT_OQ>(first, frame.limits.surely_from)
-                & _mm256_cmp_ps_mask::<_CMP_LT_OQ>(last, frame.limits.surely_to);
-            Sifted { possible: u32::from(possible), certain: u32::from(signs & !(below & above) & within) }
+            let wanted = wanted as __mmask8;
+            // A hit's depth lies between those of the corners. What is not a number says nothing.
+            let within = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(wanted, last, frame.limits.nearest);
+            let within = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, first, frame.limits.farthest);
+            let possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
+                | _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, most, zero);
+            if !CERTAIN {
+                return Sifted { possible: u32::from(possible), certain: 0 };
+            }
+            let within = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(wanted, first, frame.limits.surely_from);
+            let within = _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, last, frame.limits.surely_to);
+            let sum = spans.sum();
+            let within = _mm256_mask_cmp_ps_mask::<_CMP_ORD_Q>(within, sum, sum);
+            let certain = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(within, least, zero)
+                | _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, most, zero);
+            Sifted { possible: u32::from(possible), certain: u32::from(certain) }
         }
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> WideRay {
-        WideRay::new(ray)
+    fn corners(ray: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
+        Avx2::corners(ray, frame, block, lane)
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<WideRay> {
+        Avx2::box_ray(ray, scale, magnitude)
+    }
+
+    #[inline(always)]
+    fn end(ray: &WideRay) -> f32 {
+        Avx2::end(ray)
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut WideRay, t: f32) {
+        Avx2::end_at(ray, t);
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
         // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
         unsafe {
             if W == 8 {
-                let (near, far) = enter_and_leave(ray, boxes, end);
+                let (near, far) = enter_and_leave(ray, boxes);
                 _mm256_store_ps(t.0.as_mut_ptr(), near);
                 u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(near, far))
-            } else if W == 4 {
-                let (near, far) = enter_and_leave_four(ray, boxes, end);
-                _mm_store_ps(t.0.as_mut_ptr(), near);
-                u32::from(_mm_cmp_ps_mask::<_CMP_LE_OQ>(near, far))
             } else {
-                Portable::meet(&ray.narrow, boxes, end, t)
+                let (near, far) = enter_and_leave_few(ray, boxes);
+                store_few(t, near);
+                u32::from(_mm_cmp_ps_mask::<_CMP_LE_OQ>(near, far)) & ((1 << W) - 1)
             }
         }
     }

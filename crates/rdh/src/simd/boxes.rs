@@ -1,6 +1,6 @@
 //! Boxes side by side, as wide nodes hold them.
 
-use crate::geom::{Aabb, PlaneFrame};
+use crate::geom::{Aabb, PlaneFrame, Ray, Scale};
 
 /// `W` boxes, plane by plane, and two words for each: a wide node, whole cache lines without padding.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,23 +57,50 @@ pub(crate) struct BoxRay {
     pub(crate) inverse: [f32; 3],
     pub(crate) enters: [f32; 3],
     pub(crate) leaves: [f32; 3],
-    /// 1 where the ray runs down the axis and meets the upper plane first.
-    pub(crate) near: [usize; 3],
     pub(crate) t_min: f32,
+    /// Where it ends.
+    pub(crate) end: f32,
+    /// The boxes' `t` for 1 of the ray's.
+    pub(crate) t_scale: f64,
 }
 
 impl BoxRay {
-    /// Spreads the pads over the planes, as `kd/trace.rs` does.
+    /// Prepares a ray; nothing if it is invalid.
     #[inline(always)]
-    pub(crate) fn new(frame: &PlaneFrame) -> Self {
-        let ([x, y, z], [ox, oy, oz], [px, py, pz]) = (frame.inverse, frame.origin, frame.pad);
-        let (sx, sy, sz) = (-ox * x, -oy * y, -oz * z);
-        Self {
-            inverse: [x, y, z],
-            enters: [sx - px, sy - py, sz - pz],
-            leaves: [sx + px, sy + py, sz + pz],
-            near: [(x.to_bits() >> 31) as usize, (y.to_bits() >> 31) as usize, (z.to_bits() >> 31) as usize],
-            t_min: frame.t_min,
+    pub(crate) fn new(ray: &Ray, scale: Scale, magnitude: f32) -> Option<Self> {
+        if !ray.is_valid() {
+            return None;
         }
+        let frame = PlaneFrame::new(ray, scale, magnitude);
+        let ([x, y, z], [ox, oy, oz]) = (frame.inverse, frame.origin);
+        // The ray is moved, not the planes: what is left to do once the reciprocals are known is one product.
+        let (sx, sy, sz) = (frame.slack.copysign(x), frame.slack.copysign(y), frame.slack.copysign(z));
+        Some(Self {
+            inverse: [x, y, z],
+            enters: [-(ox + sx) * x, -(oy + sy) * y, -(oz + sz) * z],
+            leaves: [-(ox - sx) * x, -(oy - sy) * y, -(oz - sz) * z],
+            t_min: frame.t_min,
+            end: frame.t_max,
+            t_scale: frame.t_scale(),
+        })
+    }
+
+    /// A bit an axis: 1 where the ray runs down the axis and meets the upper plane first.
+    #[inline(always)]
+    pub(crate) fn down(&self) -> usize {
+        self.near(0) | self.near(1) << 1 | self.near(2) << 2
+    }
+
+    /// 1 where the ray runs down the axis and meets the upper plane first.
+    #[inline(always)]
+    pub(crate) fn near(&self, axis: usize) -> usize {
+        (self.inverse[axis].to_bits() >> 31) as usize
+    }
+
+    /// Where a ray ends that hits something at `t` in its own units: a step behind, so that what begins there is seen.
+    #[inline(always)]
+    pub(crate) fn end_for(t: f32, t_scale: f64) -> f32 {
+        let t = if t_scale == 1.0 { t } else { (f64::from(t) * t_scale) as f32 };
+        t.next_up()
     }
 }

@@ -13,13 +13,15 @@ mod avx2;
 mod avx512;
 mod block;
 mod boxes;
+mod guess;
 mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use guess::guessed;
 pub(crate) use portable::Portable;
 
-use crate::geom::{Ray, RayFrame};
+use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// A level of instructions that this CPU has: it can only be made by asking the CPU.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +81,7 @@ impl Level {
     #[inline(always)]
     pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
         match self.0 {
-            Kind::Portable => job.run::<portable::Portable>(),
+            Kind::Portable => portable::enter(job),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, FMA, BMI1 and BMI2.
             Kind::Avx2 => unsafe { avx2::enter(job) },
@@ -118,29 +120,32 @@ pub(crate) trait Kernels: Copy {
     /// A ray's frame, spread over the lanes.
     type Frame: Copy;
 
-    /// [`RayFrame::new`], bit for bit.
-    #[inline(always)]
-    fn ray_frame(ray: &Ray) -> RayFrame {
-        RayFrame::new(ray)
-    }
-
-    /// Spreads a frame over the lanes.
-    fn frame(frame: &RayFrame) -> Self::Frame;
+    /// [`RayFrame::new`], bit for bit, and the same spread over the lanes.
+    fn frames(ray: &Ray) -> (RayFrame, Self::Frame);
 
     /// Takes over a shortened interval of `t`.
     fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
 
-    /// Which lanes THE triangle test might accept, and which it surely does.
-    fn sift(frame: &Self::Frame, block: &Block) -> Sifted;
+    /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does.
+    fn sift<const CERTAIN: bool>(frame: &Self::Frame, block: &Block, wanted: u32) -> Sifted;
+
+    /// The corners of the triangle in a lane of a block, along the frame's axes.
+    fn corners(ray: &RayFrame, frame: &Self::Frame, block: &Block, lane: usize) -> [Vec3; 3];
 
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;
 
-    /// Spreads a ray over the lanes of boxes.
-    fn box_ray(ray: &BoxRay) -> Self::BoxRay;
+    /// [`BoxRay::new`], spread over the lanes; nothing if the ray is invalid.
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<Self::BoxRay>;
 
-    /// Which of the boxes the ray meets not after `end`: a bit a lane; `t` gets where it enters them. `W` is 4 or 8.
-    fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32;
+    /// Where the ray ends, in the boxes' `t`.
+    fn end(ray: &Self::BoxRay) -> f32;
+
+    /// Ends the ray at a hit, given in the ray's own `t`.
+    fn end_at(ray: &mut Self::BoxRay, t: f32);
+
+    /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
+    fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);
@@ -166,7 +171,7 @@ mod tests {
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
         block: &'a Block,
-        frame: RayFrame,
+        ray: &'a Ray,
         values: &'a [f32],
     }
 
@@ -175,10 +180,10 @@ mod tests {
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
-            let mut lanes = K::frame(&self.frame);
-            let before = K::sift(&lanes, self.block);
-            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..self.frame });
-            let after = K::sift(&lanes, self.block);
+            let (frame, mut lanes) = K::frames(self.ray);
+            let before = K::sift::<true>(&lanes, self.block, 0xff);
+            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..frame });
+            let after = K::sift::<true>(&lanes, self.block, 0xff);
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
             K::count_below(self.values, planes, &mut below);
@@ -212,8 +217,7 @@ mod tests {
             }
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
-            let on =
-                |level: Level| level.run(Everything { block: &block, frame: RayFrame::new(&ray), values: &values });
+            let on = |level: Level| level.run(Everything { block: &block, ray: &ray, values: &values });
             let portable = on(Level::PORTABLE);
             for level in Level::available() {
                 assert_eq!(on(level), portable, "{}", level.name());

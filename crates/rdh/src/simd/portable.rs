@@ -1,7 +1,13 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
-use super::{Block, BoxRay, Boxes, Entered, Kernels, LANES, Sifted};
-use crate::geom::{RayFrame, larger, smaller};
+use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
+use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
+
+/// Runs a job with what every CPU has. Never inlined: where it is not called, its frame would cost all the same.
+#[inline(never)]
+pub(super) fn enter<J: Job>(job: J) -> J::Output {
+    job.run::<Portable>()
+}
 
 /// Plain loops.
 #[derive(Debug, Clone, Copy)]
@@ -12,8 +18,9 @@ impl Kernels for Portable {
     type BoxRay = BoxRay;
 
     #[inline(always)]
-    fn frame(frame: &RayFrame) -> RayFrame {
-        *frame
+    fn frames(ray: &Ray) -> (RayFrame, RayFrame) {
+        let frame = RayFrame::new(ray);
+        (frame, frame)
     }
 
     #[inline(always)]
@@ -22,7 +29,7 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
-    fn sift(frame: &RayFrame, block: &Block) -> Sifted {
+    fn sift<const CERTAIN: bool>(frame: &RayFrame, block: &Block, wanted: u32) -> Sifted {
         let [kx, ky, kz] = frame.k;
         let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
@@ -48,21 +55,36 @@ impl Kernels for Portable {
             let beyond = last < limits.nearest || first > limits.farthest;
             let within = first > limits.surely_from && last < limits.surely_to;
             sifted.possible |= u32::from(!(outside || beyond)) << i;
-            sifted.certain |= u32::from(inside && within) << i;
+            sifted.certain |= u32::from(CERTAIN && inside && within) << i;
         }
-        sifted
+        Sifted { possible: sifted.possible & wanted, certain: sifted.certain & wanted }
     }
 
     #[inline(always)]
-    fn box_ray(ray: &BoxRay) -> BoxRay {
-        *ray
+    fn corners(ray: &RayFrame, _: &RayFrame, block: &Block, lane: usize) -> [Vec3; 3] {
+        block.corners_along(lane, ray.k)
     }
 
     #[inline(always)]
-    fn meet<const W: usize>(ray: &BoxRay, boxes: &Boxes<W>, end: f32, t: &mut Entered<W>) -> u32 {
-        let (mut near, mut far) = ([ray.t_min; W], [end; W]);
+    fn box_ray(ray: &Ray, scale: Scale, magnitude: f32) -> Option<BoxRay> {
+        BoxRay::new(ray, scale, magnitude)
+    }
+
+    #[inline(always)]
+    fn end(ray: &BoxRay) -> f32 {
+        ray.end
+    }
+
+    #[inline(always)]
+    fn end_at(ray: &mut BoxRay, t: f32) {
+        ray.end = BoxRay::end_for(t, ray.t_scale);
+    }
+
+    #[inline(always)]
+    fn meet<const W: usize>(ray: &BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
+        let (mut near, mut far) = ([ray.t_min; W], [ray.end; W]);
         for a in 0..3 {
-            let side = ray.near[a] & 1;
+            let side = ray.near(a);
             let (first, last) = (&boxes.planes[side][a], &boxes.planes[side ^ 1][a]);
             for i in 0..W {
                 near[i] = larger(first[i] * ray.inverse[a] + ray.enters[a], near[i]);

@@ -27,10 +27,10 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let caption = html! { "Trees from different training rays, all cast with the same real test rays; steps relative to the base." };
     let body = html! {
         @if !pairs.is_empty() {
-            (forest_of(study, &pairs, [Key::Spec, Key::Setting], Metric::Steps, &caption))
+            (forest_of(study, &pairs, [Key::Base, Key::Setting], Metric::Steps, &caption))
             (effects("By the rays that the tree was built from", &pairs, &[Key::Setting, Key::Spec, Key::Base], &COSTS))
         }
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
     };
     Some(Section { findings, body })
 }

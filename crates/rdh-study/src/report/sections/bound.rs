@@ -40,7 +40,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         }
         (forest_figure(&entries(&series), "cost, ratio to the base: left of 1 is better", &caption))
         (trees_table(&series))
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
     };
     Some(Section { findings: groups(&series).into_iter().filter_map(|g| finding(&g, &series)).collect(), body })
 }

@@ -6,13 +6,14 @@ use rdh::Spec;
 use super::super::effect::Effect;
 use super::super::figure::figure;
 use super::super::svg::{Entry, Line, Upwards, lines};
+use super::super::view::Study;
 use super::super::words;
 use super::common::forest_figure;
 use crate::rows::Curve;
 
 /// All curves as figures. Their names have parts: what is measured, which line it is, and perhaps a group at the end; what is
 /// measured over one quantity, in one group, shares a plot. Curves of single points become forest plots of their means.
-pub(super) fn curve_plots(curves: &[&Curve]) -> Markup {
+pub(super) fn curve_plots(study: &Study<'_>, curves: &[&Curve]) -> Markup {
     let mut plots: Vec<(Plot<'_>, Vec<&Curve>)> = Vec::new();
     let mut single: Vec<(&str, Vec<&Curve>)> = Vec::new();
     for &curve in curves.iter().filter(|c| !c.points.is_empty()) {
@@ -24,7 +25,7 @@ pub(super) fn curve_plots(curves: &[&Curve]) -> Markup {
         }
     }
     html! {
-        @for ((across, stem, group), curves) in &plots { (curve_plot(curves, across, stem, group)) }
+        @for ((across, stem, group), curves) in &plots { (curve_plot(study, curves, (across, stem, group))) }
         @for (stem, curves) in &single { (point_forest(curves, stem)) }
     }
 }
@@ -59,18 +60,14 @@ impl<'c> Name<'c> {
     }
 }
 
-fn curve_plot(curves: &[&Curve], across: &str, stem: &str, group: &str) -> Markup {
-    let drawn: Vec<Line> = mean_curves(curves).into_iter().enumerate().map(plain_line).collect();
+fn curve_plot(study: &Study<'_>, curves: &[&Curve], (across, stem, group): Plot<'_>) -> Markup {
+    let drawn = mean_curves(study, curves);
     let legend: Vec<(usize, String)> = drawn.iter().map(|l| (l.series, l.name.clone())).collect();
     let upwards_are = if stem.contains(" / ") { Upwards::Ratios } else { Upwards::Values };
     let of_group = if group.is_empty() { String::new() } else { format!(", {group}") };
     let says = format!("Line plot: {stem} over {across}{of_group}");
-    let caption = html! { (words::capital(stem)) (of_group) ", over " (across) "; weighted means over all views." };
+    let caption = html! { (words::capital(stem)) (of_group) ", over " (across) "; weighted means over all views, as far as more than a few rays go." };
     figure(&caption, &legend, |width| lines(&drawn, upwards_are, [across, stem], &says, width))
-}
-
-fn plain_line((series, (name, points)): (usize, (String, Vec<[f64; 2]>))) -> Line {
-    Line { series, name, points: points.iter().map(|p| [p[0], p[1], p[1], p[1]]).collect() }
 }
 
 /// Single points are one figure a view: their geometric means over scenes.
@@ -102,7 +99,7 @@ fn point_forest(curves: &[&Curve], stem: &str) -> Markup {
 }
 
 /// Curves of one name and spec as one: the weighted means at each x.
-fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
+fn mean_curves(study: &Study<'_>, curves: &[&Curve]) -> Vec<Line> {
     let mut named: Vec<(&str, Spec, Vec<[f64; 3]>)> = Vec::new();
     for curve in curves {
         let points = curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite()) && p[2] > 0.0);
@@ -113,21 +110,30 @@ fn mean_curves(curves: &[&Curve]) -> Vec<(String, Vec<[f64; 2]>)> {
     }
     let one_spec = named.iter().all(|n| n.1 == named[0].1);
     let one_name = named.iter().all(|n| n.0 == named[0].0);
-    let label = |name: &str, spec: &Spec| match (one_name, one_spec) {
-        (true, _) => spec.to_string(),
-        (_, true) => Name::parse(name).line.to_owned(),
-        _ => format!("{}, {spec}", Name::parse(name).line),
+    let line = |(i, (name, spec, points)): (usize, &(&str, Spec, Vec<[f64; 3]>))| {
+        // A spec has the same colour everywhere.
+        let (series, name) = match (one_name, one_spec) {
+            (true, _) => (study.series(spec), spec.to_string()),
+            (_, true) => (i, Name::parse(name).line.to_owned()),
+            _ => (i, format!("{}, {spec}", Name::parse(name).line)),
+        };
+        let points = weighted_means(points.clone()).into_iter().map(|[x, y]| [x, y, y, y]).collect();
+        Line { series, name, points }
     };
-    named.iter().map(|(name, spec, points)| (label(name, spec), weighted_means(points.clone()))).collect()
+    named.iter().enumerate().map(line).collect()
 }
 
+/// Points of which less than this share of the heaviest one's weight is known are noise.
+const LEAST_WEIGHT: f64 = 0.002;
+
+/// The weighted mean at each x; nothing where hardly anything weighs.
 fn weighted_means(mut points: Vec<[f64; 3]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mean = |same: &[[f64; 3]]| {
-        let weight: f64 = same.iter().map(|p| p[2]).sum();
-        [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight]
-    };
-    points.chunk_by(|a, b| a[0] == b[0]).map(mean).collect()
+    let weight = |same: &[[f64; 3]]| same.iter().map(|p| p[2]).sum::<f64>();
+    let mean = |same: &[[f64; 3]]| [same[0][0], same.iter().map(|p| p[1] * p[2]).sum::<f64>() / weight(same)];
+    let at_each = || points.chunk_by(|a, b| a[0] == b[0]);
+    let heaviest = at_each().map(weight).fold(0.0, f64::max);
+    at_each().filter(|same| weight(same) >= LEAST_WEIGHT * heaviest).map(mean).collect()
 }
 
 #[cfg(test)]
@@ -143,7 +149,7 @@ mod tests {
 
     #[test]
     fn weights_count_and_equal_places_join() {
-        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [1.0, 4.0, 2.0]]);
+        let means = weighted_means(vec![[2.0, 5.0, 1.0], [1.0, 1.0, 1.0], [9.0, 7.0, 0.001], [1.0, 4.0, 2.0]]);
         assert_eq!(means, [[1.0, 3.0], [2.0, 5.0]]);
     }
 }

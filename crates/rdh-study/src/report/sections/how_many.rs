@@ -30,7 +30,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     let body = html! {
         (lines_over_x(study, &pairs, Metric::Steps, across, &caption(Metric::Steps)))
         (lines_over_x(study, &pairs, Metric::Time, across, &caption(Metric::Time)))
-        (curve_plots(&curves))
+        (curve_plots(study, &curves))
         (effects("By the number of training rays", &pairs, &[Key::Setting, Key::Spec], &COSTS))
     };
     Some(Section { findings, body })

@@ -31,6 +31,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         (strip_of(&pairs, Metric::Steps))
         (strip_of(&pairs, Metric::Time))
         (by_kind(&pairs))
+        (lone_kinds(&pairs))
     };
     Some(Section { findings: finding(&pairs).into_iter().collect(), body })
 }
@@ -62,6 +63,21 @@ fn dots(pairs: &[&Pair<'_>], kind: Kind, metric: Metric) -> Option<(String, Vec<
     let dots: Vec<Dot> = pairs.iter().filter(|p| p.kind == kind).filter_map(dot).collect();
     let name = format!("{}, {}", words::kind(kind), words::count(dots.len(), "pair"));
     (!dots.is_empty()).then_some((name, dots))
+}
+
+/// What an interval can't know.
+fn lone_kinds(pairs: &[&Pair<'_>]) -> Markup {
+    let lone = group(pairs, &[Key::Kind]).into_iter().filter(|g| {
+        let first = &g.pairs[0].job.scene;
+        g.pairs.iter().all(|p| p.job.scene == *first)
+    });
+    let lone: Vec<String> =
+        lone.map(|g| format!("{} scenes are but one, {}", g.labels[0], g.pairs[0].job.scene)).collect();
+    html! {
+        @if !lone.is_empty() {
+            p.note { (words::capital(&words::list(&lone))) ": intervals know how its views differ, not how scenes of this kind would." }
+        }
+    }
 }
 
 /// A line for each kind, and one in which they count alike.

@@ -38,7 +38,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
             @let curves = study.records_of(name).flat_map(|r| &r.curves).collect::<Vec<&Curve>>();
             h3 { (name) }
             (effects(name, &study.totals(name), &[Key::Mode, Key::Setting, Key::Spec, Key::Base], &metrics))
-            (curve_plots(&curves))
+            (curve_plots(study, &curves))
         }
     };
     Some(Section { findings: Vec::new(), body })

@@ -71,8 +71,12 @@ fn rows(pairs: &[&Pair<'_>]) -> Markup {
             rows.push(row(&g.pairs));
         }
     }
-    let heads = ["spec", ">views", ">tests", ">steps", ">time", ">best time", ">worst time", ">slower"];
-    table("Ray casting and ray tracing: the paper’s figures, and ours", &heads, &rows)
+    let heads = ["spec", ">views", ">tests", ">steps", ">time", ">best", ">worst", ">slower"];
+    table(
+        "Ray casting and ray tracing: the paper’s figures, and ours; best and worst are the times of single views",
+        &heads,
+        &rows,
+    )
 }
 
 fn published(mode: Mode) -> Vec<Markup> {

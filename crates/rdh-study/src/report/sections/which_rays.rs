@@ -43,7 +43,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         (effects("By the source of the training rays", &pairs, &[Key::Setting, Key::Spec, Key::Base], &metrics))
         p.note { "“build + rays” has the acquisition of the training rays in it; “whole frame” the casting of all test rays, too." }
         (known_plot(&ratios))
-        (curve_plots(&others))
+        (curve_plots(study, &others))
     };
     Some(Section { findings, body })
 }

@@ -12,6 +12,8 @@ pub(in crate::report) struct Axis {
     log: bool,
     /// Ticks between whole numbers would say nothing.
     whole: bool,
+    /// A logarithmic axis whose lower end stands for 0.
+    zero: bool,
     from: f64,
     to: f64,
 }
@@ -21,20 +23,34 @@ impl Axis {
     pub(super) fn ratios(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let (low, high) = ends(values.filter(|v| *v > 0.0).chain([1.0]));
         let room = (high / low).powf(0.05).max(1.005);
-        Self { low: low / room, high: high * room, log: true, whole: false, from: pixels[0], to: pixels[1] }
+        Self {
+            low: low / room,
+            high: high * room,
+            log: true,
+            whole: false,
+            zero: false,
+            from: pixels[0],
+            to: pixels[1],
+        }
     }
 
-    /// Whichever scale suits the values: logarithmic if all are above 0 and span more than a factor of 20.
-    pub(super) fn fitting(values: impl Iterator<Item = f64> + Clone, pixels: [f64; 2]) -> Self {
-        let whole = values.clone().all(|v| v.fract() == 0.0);
-        let (low, high) = ends(values.filter(|v| v.is_finite()));
-        let [from, to] = pixels;
+    /// Whichever scale suits the values: logarithmic if all are above 0 and span more than a factor of 20, or if they begin at 0
+    /// and go on in leaps.
+    pub(super) fn fitting(values: impl Iterator<Item = f64>, [from, to]: [f64; 2]) -> Self {
+        let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        let whole = values.iter().all(|v| v.fract() == 0.0);
+        let (low, high) = ends(values.iter().copied());
+        let least = values.iter().copied().find(|v| *v > 0.0).unwrap_or(high);
+        if low == 0.0 && high > 20.0 * least && leaps(&values) {
+            return Self { low: least / 4.0, high: high * 1.1, log: true, whole, zero: true, from, to };
+        }
         if low > 0.0 && high / low > 20.0 {
             let room = (high / low).powf(0.03);
-            return Self { low: low / room, high: high * room, log: true, whole, from, to };
+            return Self { low: low / room, high: high * room, log: true, whole, zero: false, from, to };
         }
         let room = if high > low { 0.04 * (high - low) } else { 0.5 };
-        Self { low: low - room, high: high + room, log: false, whole, from, to }
+        Self { low: low - room, high: high + room, log: false, whole, zero: false, from, to }
     }
 
     /// Where a value stands, in pixels; what is beyond an end stands at it.
@@ -50,7 +66,10 @@ impl Axis {
     /// Round numbers on the axis at even steps, as many as keep `room` pixels between them.
     pub(super) fn ticks(&self, room: f64) -> Vec<f64> {
         let wide = self.log && self.high / self.low > 8.0;
-        let choices = if wide { self.powers() } else { self.steps() };
+        let mut choices = if wide { self.powers() } else { self.steps() };
+        if self.zero {
+            choices.iter_mut().for_each(|c| c.insert(0, 0.0));
+        }
         let apart = |ticks: &[f64]| ticks.windows(2).all(|w| (self.at(w[1]) - self.at(w[0])).abs() >= room);
         choices.into_iter().find(|c| c.len() > 1 && apart(c)).unwrap_or_default()
     }
@@ -70,7 +89,8 @@ impl Axis {
     /// Powers of ten with what is round between them, the finest first.
     fn powers(&self) -> Vec<Vec<f64>> {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        let inside = |v: &f64| (self.low..=self.high).contains(v);
+        let low = if self.zero { 2.0 * self.low } else { self.low };
+        let inside = |v: &f64| (low..=self.high).contains(v) && (!self.whole || *v >= 1.0);
         let times = |of: &[f64], each: usize| -> Vec<f64> {
             let powers = (first..=last).filter(|e| e.rem_euclid(each as i32) == 0);
             powers.flat_map(|e| of.iter().map(move |m| m * 10f64.powi(e))).filter(inside).collect()
@@ -119,6 +139,12 @@ pub(in crate::report) fn short(value: f64) -> String {
     format!("{}{unit}", digits.replace('-', "−"))
 }
 
+/// Whether one step between sorted values is about half of all their span.
+fn leaps(values: &[f64]) -> bool {
+    let (Some(first), Some(last)) = (values.first(), values.last()) else { return false };
+    values.windows(2).any(|w| w[1] - w[0] >= 0.45 * (last - first))
+}
+
 /// The line at ratio 1 says where the base is.
 fn grid(tick: f64, log: bool) -> &'static str {
     if log && (tick - 1.0).abs() < 1e-9 { "even" } else { "grid" }
@@ -146,10 +172,18 @@ mod tests {
     #[test]
     fn a_long_span_is_logarithmic_and_a_short_one_is_not() {
         assert!(Axis::fitting([100.0, 1e6].into_iter(), [0.0, 1.0]).log);
-        assert!(!Axis::fitting([0.0, 1e6].into_iter(), [0.0, 1.0]).log);
+        assert!(!Axis::fitting((0..60).map(f64::from), [0.0, 1.0]).log);
         assert!(!Axis::fitting([1.0, 8.0].into_iter(), [0.0, 1.0]).log);
         let nothing = Axis::fitting(std::iter::empty(), [0.0, 1.0]);
         assert!(nothing.at(0.5).is_finite());
+    }
+
+    #[test]
+    fn zero_has_a_place_on_an_axis_of_leaps() {
+        let axis = Axis::fitting([0.0, 1.0, 4.0, 16.0, 64.0, 256.0].into_iter(), [0.0, 300.0]);
+        let ticks = axis.ticks(40.0);
+        assert!(axis.log && ticks[0] == 0.0 && axis.at(0.0) == 0.0 && axis.at(1.0) > 40.0, "{ticks:?}");
+        assert!(ticks.windows(2).all(|w| axis.at(w[1]) - axis.at(w[0]) >= 40.0), "{ticks:?}");
     }
 
     #[test]
