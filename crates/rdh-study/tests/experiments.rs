@@ -26,7 +26,7 @@ fn curve(found: &Record, name: &str, spec: &str) -> f64 {
 
 #[test]
 fn no_tree_is_cheaper_than_the_bound() {
-    let found = found("bound", Mode::Primary, 3);
+    let found = found("bound", Mode::Primary, 2);
     for (leaf, built) in [("kd(leaf=1)", "kd(leaf=1)+rdh"), ("kd", "kd+rdh")] {
         let bound = curve(&found, "cost: lattice, optimal by oracle", built);
         for tree in ["optimal by rays", "greedy by rays", "greedy by oracle"] {

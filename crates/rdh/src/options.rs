@@ -15,8 +15,9 @@ pub struct BuildOptions<'a> {
     /// At most so many bytes for the finished structure. Subtrees that would need more become leaves; if even
     /// a single leaf needs more, the build fails.
     pub max_bytes: Option<usize>,
-    /// At most so many levels; `None` is what the stop rule says (1.3 log2 N + 8, or 1.2 log2 N + 2 for `stop=paper`),
-    /// never more than 64.
+    /// At most so many levels of a kd-tree; `None` is what the stop rule says (1.3 log2 N + 8, or 1.2 log2 N + 2 for
+    /// `stop=paper`), never more than 64. A bounding volume hierarchy stops where leaves are small, and its binary tree has at
+    /// most 64 levels whatever stands here.
     pub max_depth: Option<usize>,
     /// Called now and then with the finished part of the work, 0 to 1; from any thread.
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,

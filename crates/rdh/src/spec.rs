@@ -43,16 +43,6 @@ impl Spec {
         matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
-    /// Refuses what cannot be built: a spec made of parts that don't go together.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        match (&self.structure, &self.heuristic) {
-            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(_)) => {
-                Err("rays can't guide a BVH; bvh goes with sah".to_owned())
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Parses a list of specs. Commas inside brackets don't separate.
     ///
     /// # Errors
@@ -82,7 +72,6 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
-        spec.check().map_err(fail)?;
         Ok(spec)
     }
 }
@@ -221,7 +210,7 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
-            ("cap", _) => rdh.cap = value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?,
+            ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
                 let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
                 return Err(unknown("rdh", key, known));
@@ -251,8 +240,8 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if rdh.rays != base.rays {
         out.push(format!("rays={}", if rdh.rays == RayExtent::Whole { "whole" } else { "clipped" }));
     }
-    if rdh.cap != base.cap {
-        out.push(format!("cap={}", rdh.cap));
+    if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
+        out.push(format!("cap={cap}"));
     }
     out
 }

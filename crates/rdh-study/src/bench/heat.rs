@@ -21,7 +21,8 @@ pub(crate) struct Heat<'h, 'o> {
 #[derive(Debug)]
 pub(crate) struct Outcome {
     label: String,
-    base: Option<String>,
+    /// The competitor; nothing for ours.
+    pub(crate) base: Option<String>,
     version: Option<String>,
     form: Form,
     profile: Profile,

@@ -149,7 +149,9 @@ impl Race<'_, '_> {
         engine.map_or_else(|| key.program.clone(), |engine| engine.label(&key.mode))
     }
 
-    fn record(&mut self, track: &Track, column: Column, outcomes: Vec<Outcome>) {
+    fn record(&mut self, track: &Track, column: Column, mut outcomes: Vec<Outcome>) {
+        // In the plan's order, ours first, whatever group they ran in.
+        outcomes.sort_by_key(|outcome| self.plan.engines.iter().position(|e| Some(&e.name) == outcome.base.as_ref()));
         let (scene, view) = (self.target.entry.id.clone(), track.view.clone());
         let row = |outcome: Outcome| outcome.row(&scene, &view, track.stage.mesh().len(), column, self.plan.tolerance);
         let rows = outcomes.into_iter().map(row).collect();

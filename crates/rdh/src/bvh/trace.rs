@@ -50,9 +50,9 @@ impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
             if !link.is_leaf() {
                 probe.interior();
                 let node = &nodes[link.index()];
-                let met = K::meet(&boxes, node, &mut t);
+                let met = guessed(K::meet(&boxes, node, &mut t));
                 if met != 0 {
-                    let first = guessed(met.trailing_zeros() as usize) & (W - 1);
+                    let first = met.trailing_zeros() as usize & (W - 1);
                     let rest = met & (met - 1);
                     link = Link(node.links[first]);
                     if rest == 0 {
@@ -110,7 +110,7 @@ fn push_in_order<const W: usize>(
     first: Entry,
     mut rest: u32,
 ) -> Link {
-    let i = guessed(rest.trailing_zeros() as usize) & (W - 1);
+    let i = rest.trailing_zeros() as usize & (W - 1);
     rest &= rest - 1;
     let second = Entry { t: t.0[i], link: Link(links[i]) };
     let (mut near, far) = if second.t < first.t { (second, first) } else { (first, second) };

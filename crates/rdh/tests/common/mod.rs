@@ -29,6 +29,9 @@ pub const SPECS: &[&str] = &[
     "sbvh8+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
+    "bvh8+rdh",
+    "bvh2+rdh(prior=0)",
+    "sbvh8(high)+rdh(rays=whole)",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

@@ -50,13 +50,15 @@ fn plan(args: &BenchArgs, context: &Context) -> Result<BenchPlan> {
     let usual = if args.quick { BenchPlan::quick() } else { BenchPlan::default() };
     let specs = args.specs.as_deref().map(Spec::list).transpose().map_err(|e| usage(e.to_string()))?;
     let memory_bytes = args.memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
+    let size = args.size.unwrap_or(usual.size);
     Ok(BenchPlan {
         targets: targets(args, context)?,
         specs: specs.unwrap_or(usual.specs),
         columns: args.columns.clone().unwrap_or(usual.columns),
         engines: engines(args.engines.as_deref())?,
         programs: programs(args.engine_dir.as_deref())?,
-        size: args.size.unwrap_or(usual.size),
+        size,
+        slow_size: usual.slow_size.min(size),
         rounds: args.rounds.unwrap_or(usual.rounds),
         tolerance: args.tolerance / 100.0,
         memory_bytes,

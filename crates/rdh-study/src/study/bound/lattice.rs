@@ -18,14 +18,22 @@ pub struct Cell {
 }
 
 impl Lattice {
-    /// The bounds of all triangles; where an axis has more than `most` + 1, those at even ranks. Nothing for scenes that
-    /// are flat along an axis.
-    pub fn over(parts: &[Part], most: usize) -> Option<Self> {
+    /// At most `most` + 1 planes an axis: the scene's bounds, the `preferred` planes (axis and place) in their order, and
+    /// then triangles' bounds at even ranks. Nothing for scenes that are flat along an axis.
+    pub fn over(parts: &[Part], preferred: &[(usize, f64)], most: usize) -> Option<Self> {
         let planes = [0, 1, 2].map(|axis| {
-            let mut all: Vec<f64> = parts.iter().flat_map(|p| [p.low[axis], p.high[axis]]).collect();
-            all.sort_unstable_by(f64::total_cmp);
-            all.dedup();
-            thinned(&all, most)
+            let mut bounds: Vec<f64> = parts.iter().flat_map(|p| [p.low[axis], p.high[axis]]).collect();
+            sort(&mut bounds);
+            let ends = [bounds.first(), bounds.last()].into_iter().flatten().copied();
+            let chosen = preferred.iter().filter(|p| p.0 == axis).map(|p| p.1);
+            let mut planes: Vec<f64> = Vec::new();
+            for plane in ends.chain(chosen).chain(thinned(&bounds, most)) {
+                if planes.len() <= most && !planes.contains(&plane) {
+                    planes.push(plane);
+                }
+            }
+            sort(&mut planes);
+            planes
         });
         planes.iter().all(|p| p.len() >= 2).then_some(Self { planes })
     }
@@ -78,6 +86,12 @@ impl Cell {
         right.low[axis] = plane;
         [left, right]
     }
+}
+
+/// Ascending, each once.
+fn sort(values: &mut Vec<f64>) {
+    values.sort_unstable_by(f64::total_cmp);
+    values.dedup();
 }
 
 /// `most` + 1 of the values at most, first and last included.

@@ -1,6 +1,6 @@
 //! The bounds of one view: what each tree costs the test rays, against SAH's.
 
-use rdh::kd::{Costs, LeafWidth};
+use rdh::kd::{Costs, LeafWidth, Shown};
 use rdh::{Accel, BuildOptions, HeuristicSpec, KdSpec, Mesh, Probe, RdhSpec, Spec, StructureSpec, Training};
 
 use super::grow::{Grown, Room, grow, pay};
@@ -13,7 +13,7 @@ pub const SMALL_UP_TO: usize = 450;
 /// Scenes of up to so many get the search from tree to tree.
 pub const SEARCHED_UP_TO: usize = 30_000;
 /// Intervals of the lattice an axis.
-const INTERVALS: usize = 10;
+const INTERVALS: usize = 12;
 
 /// `cost`, `steps` or `tests` of a tree over those of the greedy tree by areas, paid by the test rays.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,11 +36,16 @@ pub fn bounds(mesh: &Mesh, training: &Training, test: &Training) -> rdh::Result<
     match mesh.len() {
         0 => {}
         n if n <= SMALL_UP_TO => {
-            let Some(scene) = SmallScene::new(Part::all(mesh), INTERVALS) else { return Ok(ratios) };
+            let leaves = [LeafWidth::One, LeafWidth::Eight];
+            let built = leaves.map(|leaf| RealTrees::build(mesh, leaf, training, test));
+            let built = built.into_iter().collect::<rdh::Result<Vec<RealTrees>>>()?;
+            let Some(scene) = SmallScene::new(Part::all(mesh), &chosen_planes(&built), INTERVALS) else {
+                return Ok(ratios);
+            };
             let counts = [training, test].map(|rays| scene.rays(rays));
-            for leaf in [LeafWidth::One, LeafWidth::Eight] {
+            for (leaf, built) in leaves.into_iter().zip(&built) {
                 let bound = scene.bound(&Costs::of(leaf), &counts[0], &counts[1]);
-                ratios.extend(on_a_lattice(mesh, leaf, &bound, training, test)?);
+                ratios.extend(on_a_lattice(leaf, &bound, built, test));
             }
         }
         n if n <= SEARCHED_UP_TO => ratios.extend(by_search(mesh, LeafWidth::Eight, training, test)?),
@@ -49,30 +54,55 @@ pub fn bounds(mesh: &Mesh, training: &Training, test: &Training) -> rdh::Result<
     Ok(ratios)
 }
 
-fn on_a_lattice(
-    mesh: &Mesh,
-    leaf: LeafWidth,
-    bound: &SmallBound,
-    training: &Training,
-    test: &Training,
-) -> rdh::Result<Vec<Ratio>> {
+fn on_a_lattice(leaf: LeafWidth, bound: &SmallBound, built: &RealTrees, test: &Training) -> Vec<Ratio> {
     let [sah, rdh] = specs(leaf);
-    let real = |spec: &Spec, rays: &Training| real_tree(mesh, spec, rays, test);
     let paid = [
         ("lattice, optimal by areas", sah, bound.optimal_by_areas),
         ("lattice, greedy by rays", rdh, bound.greedy_by_rays),
         ("lattice, optimal by rays", rdh, bound.optimal_by_rays),
         ("lattice, greedy by oracle", rdh, bound.greedy_by_oracle),
         ("lattice, optimal by oracle", rdh, bound.optimal_by_oracle),
-        ("lattice, built", sah, real(&sah, training)?),
-        ("lattice, built", rdh, real(&rdh, training)?),
-        ("lattice, built by oracle", rdh, real(&rdh, test)?),
+        ("lattice, built", sah, paid_by_rays(&built.sah, test)),
+        ("lattice, built", rdh, paid_by_rays(&built.rdh, test)),
+        ("lattice, built by oracle", rdh, paid_by_rays(&built.oracle, test)),
     ];
-    Ok(ratios(&bound.greedy_by_areas, &paid))
+    of_base(&bound.greedy_by_areas, &paid)
+}
+
+/// What the library builds.
+struct RealTrees {
+    sah: Accel,
+    rdh: Accel,
+    oracle: Accel,
+}
+
+impl RealTrees {
+    fn build(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training) -> rdh::Result<Self> {
+        let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
+        let [sah, rdh] = specs(leaf);
+        let build = |spec: &Spec, rays: &Training| rdh::build(mesh, spec, rays, &options);
+        Ok(Self { sah: build(&sah, training)?, rdh: build(&rdh, training)?, oracle: build(&rdh, test)? })
+    }
+}
+
+/// The planes of real trees, from the roots down: with them in the lattice the optimum can compete with those trees.
+fn chosen_planes(built: &[RealTrees]) -> Vec<(usize, f64)> {
+    let mut planes: Vec<(usize, usize, f64)> = Vec::new();
+    for accel in built.iter().flat_map(|trees| [&trees.sah, &trees.rdh, &trees.oracle]) {
+        let Some(tree) = accel.kd_tree() else { continue };
+        tree.walk(&mut |_, depth, node| {
+            if let Shown::Interior { axis, plane } = node {
+                planes.push((depth, axis.index(), plane.into()));
+            }
+        });
+    }
+    planes.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+    planes.into_iter().map(|(_, axis, plane)| (axis, plane)).collect()
 }
 
 fn by_search(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training) -> rdh::Result<Vec<Ratio>> {
-    let (costs, [sah, rdh]) = (Costs::of(leaf), specs(leaf));
+    let (costs, [_, rdh]) = (Costs::of(leaf), specs(leaf));
+    let built = RealTrees::build(mesh, leaf, training, test)?;
     let [train_rays, test_rays] = [training, test].map(Segment::all);
     let room = |rays: &[Segment]| Room::new(Part::all(mesh), rays);
     let oracle = room(&test_rays);
@@ -84,16 +114,16 @@ fn by_search(mesh: &Mesh, leaf: LeafWidth, training: &Training, test: &Training)
     };
     let effort = Effort::default();
     let paid = [
-        ("search, built", rdh, real_tree(mesh, &rdh, training, test)?),
-        ("search, built by oracle", rdh, real_tree(mesh, &rdh, test, test)?),
+        ("search, built", rdh, paid_by_rays(&built.rdh, test)),
+        ("search, built by oracle", rdh, paid_by_rays(&built.oracle, test)),
         ("search, greedy by oracle", rdh, paid_in(&grow(&oracle, &costs, 0, 0))),
         ("search, searched by rays", rdh, paid_in(&search(room(&train_rays), &costs, &effort))),
         ("search, searched by oracle", rdh, paid_in(&search(oracle.clone(), &costs, &effort))),
     ];
-    Ok(ratios(&real_tree(mesh, &sah, training, test)?, &paid))
+    Ok(of_base(&paid_by_rays(&built.sah, test), &paid))
 }
 
-fn ratios(base: &Paid, paid: &[(&str, Spec, Paid)]) -> Vec<Ratio> {
+fn of_base(base: &Paid, paid: &[(&str, Spec, Paid)]) -> Vec<Ratio> {
     let of = |(tree, spec, paid): &(&str, Spec, Paid)| {
         let quantities =
             [("cost", paid.cost, base.cost), ("steps", paid.steps, base.steps), ("tests", paid.tests, base.tests)];
@@ -112,12 +142,6 @@ fn specs(leaf: LeafWidth) -> [Spec; 2] {
 }
 
 /// What the test rays that meet the scene's box pay in a tree of the library, each as far as its nearest hit.
-fn real_tree(mesh: &Mesh, spec: &Spec, rays: &Training, test: &Training) -> rdh::Result<Paid> {
-    let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
-    let accel = rdh::build(mesh, spec, rays, &options)?;
-    Ok(paid_by_rays(&accel, test))
-}
-
 fn paid_by_rays(accel: &Accel, test: &Training) -> Paid {
     let mut bill = Bill::default();
     if let (Some(tree), StructureSpec::Kd(kd)) = (accel.kd_tree(), accel.stats().spec.structure) {

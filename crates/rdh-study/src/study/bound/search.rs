@@ -41,9 +41,10 @@ pub fn search(room: Room, costs: &Costs, effort: &Effort) -> Grown {
     let root = flatten(start, &mut arena);
     let mut queue = BinaryHeap::from([Waiting { cost: arena[root].cost, node: root, depth: 0, room }]);
     let mut spent = 0;
-    while let Some(next) = queue.pop() {
-        let n = next.room.parts.len();
-        if n <= effort.largest && spent < effort.things {
+    while spent < effort.things
+        && let Some(next) = queue.pop()
+    {
+        if next.room.parts.len() <= effort.largest {
             spent += improve(&next, costs, effort, &mut arena);
         }
         if let Kind::Split(cut, children) = arena[next.node].kind {

@@ -44,9 +44,9 @@ pub struct SmallBound {
 }
 
 impl SmallScene {
-    /// At most `most` intervals an axis. Nothing for scenes that are flat along an axis.
-    pub fn new(parts: Vec<Part>, most: usize) -> Option<Self> {
-        let lattice = Lattice::over(&parts, most)?;
+    /// At most `most` intervals an axis, between the `preferred` planes first. Nothing for scenes that are flat along an axis.
+    pub fn new(parts: Vec<Part>, preferred: &[(usize, f64)], most: usize) -> Option<Self> {
+        let lattice = Lattice::over(&parts, preferred, most)?;
         let triangles = TriangleCounts::new(&lattice, parts);
         Some(Self { lattice, triangles })
     }
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn no_tree_is_cheaper_than_the_oracles_optimum() {
-        let scene = SmallScene::new(Part::all(&mesh()), 8).unwrap();
+        let scene = SmallScene::new(Part::all(&mesh()), &[], 8).unwrap();
         let (training, test) = (scene.rays(&rays(-1.0)), scene.rays(&rays(-2.5)));
         for leaf in [LeafWidth::One, LeafWidth::Eight] {
             let b = scene.bound(&Costs::of(leaf), &training, &test);
