@@ -2,9 +2,10 @@
 
 use maud::{Markup, html};
 
+use super::super::group::{Key, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::table::table;
-use super::super::view::Study;
+use super::super::view::{Study, ours};
 use super::super::words::{self, digits};
 use super::{Chapter, Section};
 
@@ -15,35 +16,37 @@ pub(super) const CHAPTER: Chapter = Chapter {
     write,
 };
 
-/// More lines than this are no table but a listing: the worst of them are shown.
-const MOST: usize = 60;
-
 fn write(study: &Study<'_>) -> Option<Section> {
     let pairs: Vec<&Pair<'_>> = study.main().into_iter().filter(|p| p.class.is_none()).collect();
     if pairs.is_empty() {
         return None;
     }
-    let mut losses: Vec<(f64, [f64; 2], &Pair<'_>)> = pairs.iter().filter_map(|p| loss(p)).collect();
-    losses.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let finding = match losses.len() {
-        0 => html! { "None of " (words::count(pairs.len(), "pair")) " is surely slower than its base" },
-        n => {
-            html! { (n) " of " (words::count(pairs.len(), "pair")) " are surely slower than their base: the interval over their own rounds lies wholly above 1" }
-        }
-    };
-    let rows: Vec<Vec<Markup>> = losses.iter().take(MOST).map(row).collect();
-    let body = html! {
-        @if !rows.is_empty() {
-            (table("Surely slower, the worst first", &["view", "kind", "rays", "spec", ">time", ">95\u{a0}% interval", ">steps", ">tests"], &rows))
-        }
-        @if losses.len() > MOST { p.note { "The worst " (MOST) " of " (losses.len()) "; the others are in the study’s rows." } }
-    };
-    Some(Section { findings: vec![finding], body })
+    let mut specs = group(&pairs, &[Key::Spec]);
+    specs.sort_by_key(|g| study.series(&g.pairs[0].spec));
+    let findings = specs.iter().map(|g| finding(&g.labels[0], &g.pairs)).collect();
+    let rows: Vec<Vec<Markup>> = losses(&study.ours()).iter().map(row).collect();
+    let caption = format!("All views in which {} is surely slower, the worst first", ours());
+    let heads = ["view", "kind", "rays", ">time", ">95\u{a0}% interval", ">steps", ">tests"];
+    let body = html! { @if !rows.is_empty() { (table(&caption, &heads, &rows)) } };
+    Some(Section { findings, body })
 }
 
-fn loss<'p, 'r>(pair: &'p Pair<'r>) -> Option<(f64, [f64; 2], &'p Pair<'r>)> {
-    let interval = pair.time_interval().filter(|i| i[0] > 1.0)?;
-    Some((pair.ratio(Metric::Time)?, interval, pair))
+fn finding(spec: &str, pairs: &[&Pair<'_>]) -> Markup {
+    html! {
+        code { (spec) } " is surely slower in " (losses(pairs).len()) " of " (words::count(pairs.len(), "pair"))
+        ": the interval over their own rounds lies wholly above 1"
+    }
+}
+
+/// Ratio and interval of each pair that is surely slower.
+fn losses<'p, 'r>(pairs: &[&'p Pair<'r>]) -> Vec<(f64, [f64; 2], &'p Pair<'r>)> {
+    let loss = |pair: &&'p Pair<'r>| {
+        let interval = pair.time_interval().filter(|i| i[0] > 1.0)?;
+        Some((pair.ratio(Metric::Time)?, interval, *pair))
+    };
+    let mut losses: Vec<_> = pairs.iter().filter_map(loss).collect();
+    losses.sort_by(|a, b| b.0.total_cmp(&a.0));
+    losses
 }
 
 fn row((time, [low, high], pair): &(f64, [f64; 2], &Pair<'_>)) -> Vec<Markup> {
@@ -52,7 +55,6 @@ fn row((time, [low, high], pair): &(f64, [f64; 2], &Pair<'_>)) -> Vec<Markup> {
         html! { code { (pair.place()) } },
         html! { (words::kind(pair.kind)) },
         html! { (pair.job.mode) },
-        html! { code { (pair.spec) } },
         html! { (digits(*time)) },
         html! { (digits(*low)) "–" (digits(*high)) },
         html! { (ratio(Metric::Steps)) },
