@@ -105,6 +105,19 @@ fn the_page_needs_nothing_from_elsewhere_and_is_small() {
 }
 
 #[test]
+fn a_page_of_many_scenes_leaves_room_for_pictures() {
+    let renamed = |record: &Record, i: usize| {
+        let scene = format!("{}-{i}", record.job.scene);
+        let rows = record.rows.iter().map(|r| rdh_study::Row { scene: scene.clone(), ..r.clone() }).collect();
+        Record { job: rdh_study::study::Job { scene: scene.clone(), ..record.job.clone() }, rows, ..record.clone() }
+    };
+    let few = study();
+    let many: Vec<Record> = (0..4).flat_map(|i| few.iter().map(move |r| renamed(r, i))).collect();
+    let page = html(&many, &about());
+    assert!(page.len() < 1_200_000, "{} bytes for {} jobs", page.len(), many.len());
+}
+
+#[test]
 fn every_plot_and_picture_says_what_it_shows() {
     let panel = Panel {
         title: "kd+sah".into(),

@@ -61,6 +61,11 @@ pub(super) fn marker(series: usize, x: f64, y: f64, size: f64, says: Option<&str
     }
 }
 
+/// What a mark says to those who point at it. There is no pointing on a phone, and names of a thousand marks are long.
+pub(super) fn named(says: &str, width: f64) -> Option<&str> {
+    (width > 500.0).then_some(says)
+}
+
 /// The mark alone, for legends in running text.
 pub(super) fn key(series: usize) -> Markup {
     html! { svg.key viewBox="0 0 14 14" width="14" height="14" aria-hidden="true" { (marker(series, 7.0, 7.0, 5.0, None)) } }

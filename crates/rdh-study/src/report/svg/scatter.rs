@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Anchor, Axis, marker, root, text};
+use super::{Anchor, Axis, marker, named, root, text};
 
 /// One dot.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(in crate::report) fn scatter(dots: &[Dot], [across, upwards]: [&str; 2], say
         (y.beside(left, width - 8.0))
         (text(0.0, 13.0, Anchor::Start, "axis", upwards))
         (text(width - 8.0, bottom + 36.0, Anchor::End, "axis", across))
-        @for dot in dots { (marker(dot.series, x.at(dot.x), y.at(dot.y), 3.6, Some(&dot.says))) }
+        @for dot in dots { (marker(dot.series, x.at(dot.x), y.at(dot.y), 3.6, named(&dot.says, width))) }
     };
     root(width, height, says, inside)
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Anchor, Axis, Dot, LINE, marker, root, text};
+use super::{Anchor, Axis, Dot, LINE, marker, named, root, text};
 
 const SIDE: f64 = 6.0;
 const FOOT: f64 = 42.0;
@@ -27,7 +27,7 @@ pub(in crate::report) fn strip(groups: &[(String, Vec<Dot>)], axis_label: &str, 
         @for (name, name_y, middle, dots) in &rows {
             (text(SIDE, *name_y, Anchor::Start, "head", name))
             @for (dot, offset) in dots {
-                (marker(dot.series, axis.at(dot.y), middle + offset, RADIUS, Some(&dot.says)))
+                (marker(dot.series, axis.at(dot.y), middle + offset, RADIUS, named(&dot.says, width)))
             }
         }
         (text(SIDE, y + 35.0, Anchor::Start, "axis", axis_label))
