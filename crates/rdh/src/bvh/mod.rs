@@ -21,6 +21,7 @@ pub use spec::{BvhSpec, Effort, Width};
 
 use std::sync::Arc;
 
+use binary::BinaryNode;
 use collapse::{Costs, Cuts};
 use extent::Extent;
 use layout::Arrays;
@@ -95,7 +96,11 @@ impl<const W: usize> Bvh<W> {
         let area = |i: usize| nodes[i].0.half_area();
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;
         watch.check_cancelled()?;
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, area, |id| mesh.corners(TriId(id)))?;
+        let counts = counts(&nodes)?;
+        // Any-hit rays take the children in this order. A large child that holds little is soon done with; among objects left whole
+        // the large ones, which occlude much, have much in them.
+        let likely = |i: usize| if spec.spatial { area(i) / counts[i] as f32 } else { area(i) };
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, likely, |id| mesh.corners(TriId(id)))?;
         let Arrays { nodes, blocks, tally } = arrays;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
@@ -173,6 +178,18 @@ impl<const W: usize> Bvh<W> {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
+}
+
+/// The references below each node.
+fn counts(nodes: &[BinaryNode]) -> Result<Vec<u32>> {
+    let mut counts = Vec::new();
+    reserve(&mut counts, nodes.len(), "nodes")?;
+    counts.resize(nodes.len(), 0);
+    // In preorder children come after their parents: backwards they are done first.
+    for (i, node) in nodes.iter().enumerate().rev() {
+        counts[i] = if node.is_interior() { counts[i + 1] + counts[node.right()] } else { node.0.count };
+    }
+    Ok(counts)
 }
 
 /// Spatial splits may add one reference to so many.
