@@ -1,5 +1,6 @@
 //! Developer tasks: `cargo xtask TASK`.
 
+mod browser;
 mod engines;
 
 use std::process::ExitCode;
@@ -16,13 +17,18 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Race our structures against other libraries' (engines/README.md).
+    /// Look at a page in a real browser, and complain.
+    Browser(browser::Arguments),
+    /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
 }
 
 fn main() -> ExitCode {
-    let Arguments { task: Task::Engines(arguments) } = Arguments::parse();
-    match engines::run(&arguments) {
+    let result = match Arguments::parse().task {
+        Task::Browser(arguments) => browser::run(&arguments),
+        Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
+    };
+    match result {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(3),
         Err(error) => {

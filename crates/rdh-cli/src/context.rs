@@ -72,7 +72,7 @@ impl Context {
 
     /// A progress bar on standard error; invisible unless that is a terminal.
     pub(crate) fn bar(&self, steps: u64) -> ProgressBar {
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {wide_msg}");
+        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed}, {eta} left  {wide_msg}");
         let bar = ProgressBar::new(steps).with_style(style.expect("the template is constant and has been tried"));
         let bar = self.bars.add(bar);
         bar.enable_steady_tick(Duration::from_millis(200));

@@ -8,6 +8,7 @@ mod output;
 mod pick;
 mod picture;
 mod staged;
+mod summary;
 mod table;
 
 use std::process::ExitCode;
@@ -26,9 +27,13 @@ fn run(cli: &Cli) -> Result<()> {
     let context = Context::new(&cli.global)?;
     match &cli.command {
         Command::Compare(args) => commands::compare::run(args, &context),
+        Command::Study(args) => commands::study::run(args, &context),
+        Command::Merge(args) => commands::merge::run(args, &context),
         Command::Scenes(args) => commands::scenes::run(args, &context),
         Command::Record(args) => commands::record::run(args, &context),
         Command::Rays(args) => commands::rays::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
+        Command::Report(args) => commands::report::run(args, &context),
+        Command::Bench(args) => commands::bench::run(args, &context),
     }
 }

@@ -52,8 +52,8 @@ impl Shelf {
         match view {
             None => Ok(Target::all(entry)),
             Some(view) => {
-                let view = known_view(&entry, view)?;
-                Ok(Target::view(entry, view))
+                let (view, frame) = known_view(&entry, view)?;
+                Ok(Target { frames: vec![frame], ..Target::view(entry, view) })
             }
         }
     }
@@ -63,7 +63,10 @@ impl Shelf {
         let mut target = self.find(name)?;
         match view {
             Some(_) if !target.views.is_empty() => return Err(usage(format!("'{name}' names a view already"))),
-            Some(view) => target.views = vec![known_view(&target.entry, view)?],
+            Some(view) => {
+                let (view, frame) = known_view(&target.entry, view)?;
+                (target.views, target.frames) = (vec![view], vec![frame]);
+            }
             None if target.views.is_empty() => target.views.extend(target.entry.views.first().map(|v| v.name.clone())),
             None => {}
         }
@@ -71,12 +74,27 @@ impl Shelf {
     }
 }
 
-fn known_view(entry: &Entry, view: &str) -> Result<String> {
-    if entry.views.iter().any(|v| v.name == view) {
-        return Ok(view.to_owned());
+/// A view and a frame: `street`, `street@7` of an animation, or `drive@60`, a place on a camera path of the scene at rest.
+fn known_view(entry: &Entry, text: &str) -> Result<(String, u32)> {
+    let is_view = |name: &str| entry.views.iter().any(|v| v.name == name);
+    if is_view(text) {
+        return Ok((text.to_owned(), 0));
+    }
+    if let Some((name, frame)) = text.split_once('@') {
+        let frame: u32 = frame.parse().map_err(|_| usage(format!("'{text}': the frame isn't a number")))?;
+        let path = entry.paths().unwrap_or_default().into_iter().find(|p| p.name == name);
+        match path.map(|p| p.frames) {
+            Some(frames) if frame < frames => return Ok((text.to_owned(), 0)),
+            None if is_view(name) && frame < entry.frames => return Ok((name.to_owned(), frame)),
+            None if !is_view(name) => {}
+            frames => {
+                let count = frames.unwrap_or(entry.frames);
+                return Err(usage(format!("'{text}': there are frames 0 to {}", count.saturating_sub(1))));
+            }
+        }
     }
     let known: Vec<_> = entry.views.iter().map(|v| v.name.as_str()).collect();
-    Err(usage(format!("scene '{}' has no view '{view}'; known: {}", entry.id, known.join(", "))))
+    Err(usage(format!("scene '{}' has no view '{text}'; known: {}", entry.id, known.join(", "))))
 }
 
 /// A file that is there and can't be read is a failure; a name for nothing is wrong usage.

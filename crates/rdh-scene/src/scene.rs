@@ -39,6 +39,11 @@ pub enum Kind {
     Dense,
 }
 
+impl Kind {
+    /// All of them, in order.
+    pub const ALL: [Self; 3] = [Self::Open, Self::Interior, Self::Dense];
+}
+
 /// A mesh in its own space.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Geometry {

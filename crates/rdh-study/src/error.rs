@@ -1,5 +1,8 @@
 //! What can make a whole study impossible. What goes wrong with one scene is a [`Failure`](crate::Failure) instead.
 
+use std::io;
+use std::path::{Path, PathBuf};
+
 /// Why a study can't be run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -17,6 +20,25 @@ pub enum Error {
         /// The known names.
         known: &'static str,
     },
+    /// A file of a study can't be read or written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file of a study is there, and is not what it should be.
+    #[error("{}: {reason}", path.display())]
+    Content {
+        /// Which file.
+        path: PathBuf,
+        /// Where in it, and what is wrong.
+        reason: String,
+    },
+    /// Runs of the same job don't agree on their counts.
+    #[error("{0}")]
+    Disagreement(String),
     /// Threads could not be started.
     #[error("{count} threads could not be started: {reason}")]
     Threads {
@@ -25,6 +47,13 @@ pub enum Error {
         /// What the system says.
         reason: String,
     },
+}
+
+impl Error {
+    /// Says of a system's error which file it concerns: `map_err(Error::file(path))`.
+    pub(crate) fn file(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
+        move |source| Self::File { path: path.to_owned(), source }
+    }
 }
 
 /// The crate's result.

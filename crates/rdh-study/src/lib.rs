@@ -1,6 +1,8 @@
 //! Studies: which rays an application casts, what they cost in each structure, and whether a difference is one.
 //!
 //! ```text
+//!  report       records as one page of HTML
+//!  bench        our structures and other libraries' side by side
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
@@ -11,11 +13,14 @@
 //! ```
 //! Each layer uses only those below it.
 
+pub mod bench;
 pub mod clock;
 pub mod error;
+pub mod files;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
+pub mod report;
 pub mod rows;
 pub mod run;
 pub mod stats;
@@ -24,7 +29,7 @@ pub mod summary;
 
 pub use error::{Error, Result};
 pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};
-pub use plan::{Case, Plan, Protocol, Target};
-pub use rows::{Document, Failure, Mismatch, Row, Summary, Verdict};
+pub use plan::{Case, Plan, Protocol, Source, Target};
+pub use rows::{Curve, Document, Failure, Mismatch, Over, Row, Summary, Verdict};
 pub use run::{Event, run, run_loading};
-pub use summary::summarise;
+pub use summary::{summarise, summarise_settings};

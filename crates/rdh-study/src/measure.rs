@@ -25,6 +25,8 @@ pub struct Tally {
     pub hits: u64,
     /// Sum of the hit distances, in ray order; 0 for any-hit rays.
     pub t_sum: f64,
+    /// The 99.9th percentile, over rays, of steps + tests: the smallest cost that 99.9 % of the rays don't exceed.
+    pub cost_p999: u64,
     /// Every ray's answer, in ray order.
     pub answers: Vec<Answer>,
 }
@@ -56,20 +58,33 @@ impl Answer {
 /// Casts a batch once and counts everything. Runs on rayon's current threads; the result doesn't depend on how many.
 pub fn tally(accel: &Accel, batch: &RayBatch) -> Tally {
     let chunk = |rays: &[Ray]| {
-        let mut counts = Counts::default();
-        let answers: Vec<Answer> = rays.iter().map(|ray| answer(accel, batch.query, ray, &mut counts)).collect();
-        (counts, answers)
+        let mut total = Counts::default();
+        let mut cast = |ray: &Ray| {
+            let mut counts = Counts::default();
+            let answer = answer(accel, batch.query, ray, &mut counts);
+            total += counts;
+            (answer, counts.steps() + counts.tests)
+        };
+        let (answers, costs): (Vec<Answer>, Vec<u64>) = rays.iter().map(&mut cast).unzip();
+        (total, answers, costs)
     };
     let chunks: Vec<_> = batch.rays.par_chunks(4096).map(chunk).collect();
-    let (mut counts, mut answers) = (Counts::default(), Vec::with_capacity(batch.rays.len()));
-    for (c, a) in chunks {
-        counts += c;
-        answers.extend(a);
+    let (mut counts, mut answers, mut costs) = (Counts::default(), Vec::with_capacity(batch.rays.len()), Vec::new());
+    for (count, answer, cost) in chunks {
+        counts += count;
+        answers.extend(answer);
+        costs.extend(cost);
     }
     let hits = answers.iter().filter(|a| a.is_hit()).count() as u64;
     // One after the other: a sum of floats depends on its order.
     let t_sum = answers.iter().filter_map(|a| a.hit()).fold(0.0, |sum, (t, _)| sum + f64::from(t));
-    Tally { counts, hits, t_sum, answers }
+    Tally { counts, hits, t_sum, cost_p999: worst_but_a_thousandth(costs), answers }
+}
+
+fn worst_but_a_thousandth(mut costs: Vec<u64>) -> u64 {
+    let Some(last) = costs.len().checked_sub(1) else { return 0 };
+    let rank = last - costs.len() / 1000;
+    *costs.select_nth_unstable(rank).1
 }
 
 /// Modes ask for all hits of no ray; if a batch does, its nearest ones are counted.
@@ -149,9 +164,17 @@ mod tests {
         assert_eq!((closest.hits, closest.t_sum), (2, 1.5));
         let found: Vec<_> = closest.answers.iter().map(|a| a.hit()).collect();
         assert_eq!(found, [Some((1.0, 0)), Some((0.5, 1)), None]);
+        assert_eq!(closest.cost_p999, worst_but_a_thousandth(vec![closest.cost_p999]));
+        assert!(closest.cost_p999 <= closest.counts.steps() + closest.counts.tests);
         assert!(closest.counts.steps() >= 2 && closest.counts.tests >= 2);
         let any = tally(&accel(2), &batch(Query::Occluded));
         assert_eq!((any.hits, any.t_sum), (2, 0.0));
+    }
+
+    #[test]
+    fn one_in_a_thousand_may_cost_more() {
+        let costs = |n: u64| (0..n).rev().collect::<Vec<u64>>();
+        assert_eq!([0, 1, 999, 1000, 5000].map(|n| worst_but_a_thousandth(costs(n))), [0, 0, 998, 998, 4994]);
     }
 
     #[test]

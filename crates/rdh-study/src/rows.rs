@@ -24,6 +24,9 @@ pub struct Document {
     /// Where two structures gave different answers; absent in JSON if empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mismatches: Vec<Mismatch>,
+    /// What a study found that is no row; absent in JSON if empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<Curve>,
 }
 
 /// What one structure did with the rays of one class in one view.
@@ -64,6 +67,9 @@ pub struct Row {
     pub tests_per_ray: f64,
     /// Empty leaves visited a ray.
     pub empty_leaves_per_ray: f64,
+    /// The 99.9th percentile, over rays, of steps + tests.
+    #[serde(default)]
+    pub cost_p999: u64,
     /// One thread's CPU time a ray: the median of the rounds.
     pub nanos_per_ray: f64,
     /// The same of each round. Round `i` of all specs of a case ran next to each other.
@@ -93,17 +99,60 @@ pub struct Row {
     /// The setting's place on the experiment's axis, where it has one: training rays, frames of distance, a weight.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub x: Option<f64>,
-    /// The 99.9th percentile, over rays, of steps + tests.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cost_p999: Option<f64>,
     /// Mean number of surfaces that a ray would cross if it weren't stopped: the measured depth complexity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_complexity: Option<f64>,
 }
 
+/// Points of a named quantity over another, found in one view.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// The experiment.
+    pub experiment: String,
+    /// The scene's id.
+    pub scene: String,
+    /// The view's name.
+    pub view: String,
+    /// Which integrator made the rays.
+    pub mode: Mode,
+    /// What is measured, under which setting: `p measured / p estimated, uniform whole`.
+    pub name: String,
+    /// The structure it was measured on.
+    pub spec: Spec,
+    /// The quantity across: `depth`, `rays`.
+    pub across: String,
+    /// `[x, y, weight]`; a weighted mean over scenes uses the weights. Times don't belong here: curves are exact.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// Over which pairs a summary goes, and how they weigh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Over {
+    /// All pairs alike.
+    #[default]
+    Pairs,
+    /// Those of one kind of scene.
+    Kind(Kind),
+    /// All pairs, weighed so that each kind of scene counts the same.
+    Kinds,
+}
+
 /// A spec against the base over all scenes and views. Ratios are geometric means of spec / base: below 1 is better.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
+    /// The study's experiment; absent in JSON for plain comparisons.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub experiment: Option<String>,
+    /// Under which of the experiment's settings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setting: Option<String>,
+    /// The setting's place on the experiment's axis, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub x: Option<f64>,
+    /// Over which pairs, and how they weigh.
+    #[serde(default)]
+    pub over: Over,
     /// Which integrator made the rays.
     pub mode: Mode,
     /// The class of the rays; `None`, in JSON `"all"`, for all classes of the mode together.
@@ -117,8 +166,14 @@ pub struct Summary {
     pub n: usize,
     /// Interior and leaf visits.
     pub steps_ratio: f64,
+    /// A 95 % interval of `steps_ratio`, bootstrapped with the scene as cluster.
+    pub steps_ratio_ci95: [f64; 2],
     /// Triangles tested.
     pub tests_ratio: f64,
+    /// A 95 % interval of `tests_ratio`.
+    pub tests_ratio_ci95: [f64; 2],
+    /// The 99.9th percentile, over rays, of steps + tests; of several classes the worst.
+    pub cost_p999_ratio: f64,
     /// Time a ray.
     pub time_ratio: f64,
     /// A 95 % interval of `time_ratio`, bootstrapped with the scene as cluster.
@@ -127,10 +182,14 @@ pub struct Summary {
     pub build_ratio: f64,
     /// Build time and acquisition of the training rays.
     pub build_and_rrs_ratio: f64,
+    /// References to triangles.
+    pub references_ratio: f64,
     /// Memory.
     pub bytes_ratio: f64,
     /// Pairs whose own 95 % interval lies wholly above 1.
     pub slower_cases: usize,
+    /// Pairs whose own interval lies wholly below 1.
+    pub faster_cases: usize,
 }
 
 /// Something that could not be run. The other cases were.
@@ -185,6 +244,14 @@ pub enum Verdict {
     Failed,
     /// All is well.
     Fine,
+}
+
+impl Row {
+    /// The row without what a clock said: equal for equal plans.
+    pub fn without_times(&self) -> Self {
+        let timeless = Self { nanos_per_ray: 0.0, round_nanos_per_ray: Vec::new(), ..self.clone() };
+        Self { build_secs: 0.0, rrs_secs: 0.0, ..timeless }
+    }
 }
 
 impl Document {

@@ -40,19 +40,40 @@ pub fn paired_interval(ratios: &[f64]) -> Option<[f64; 2]> {
 /// A 95 % interval of the geometric mean of all ratios: the percentile bootstrap, which draws whole clusters, because the
 /// views of one scene are alike. The same seed gives the same interval. Nothing without ratios.
 pub fn cluster_bootstrap(clusters: &[Vec<f64>], seed: u64) -> Option<[f64; 2]> {
-    // Per cluster: the sum of the logarithms and their number.
-    let sums: Vec<(f64, usize)> = clusters.iter().map(|c| (c.iter().map(|r| r.ln()).sum(), c.len())).collect();
-    if sums.iter().all(|s| s.1 == 0) {
+    stratified_bootstrap(&[clusters.to_vec()], seed)
+}
+
+/// The geometric mean of the strata's geometric means; `[stratum][cluster][ratio]`. NaN for none.
+pub fn stratified_mean(strata: &[Vec<Vec<f64>>]) -> f64 {
+    let means: Vec<f64> = strata.iter().map(|clusters| geometric_mean(&clusters.concat())).collect();
+    geometric_mean(&means)
+}
+
+/// As [`cluster_bootstrap`], of [`stratified_mean`]: clusters are drawn within their strata, which weigh alike.
+pub fn stratified_bootstrap(strata: &[Vec<Vec<f64>>], seed: u64) -> Option<[f64; 2]> {
+    let strata: Vec<Vec<Sum>> = strata.iter().map(|clusters| sums(clusters)).filter(|s| !s.is_empty()).collect();
+    if strata.is_empty() {
         return None;
     }
-    let sums: Vec<(f64, usize)> = sums.into_iter().filter(|s| s.1 > 0).collect();
     let mut random = Pcg32::new(seed, 0);
-    let mut means: Vec<f64> = (0..RESAMPLES).map(|_| resampled_mean(&sums, &mut random)).collect();
+    let mut resample = || {
+        let total: f64 = strata.iter().map(|sums| resampled_mean(sums, &mut random)).sum();
+        total / strata.len() as f64
+    };
+    let mut means: Vec<f64> = (0..RESAMPLES).map(|_| resample()).collect();
     means.sort_unstable_by(f64::total_cmp);
     Some([quantile(&means, 0.025).exp(), quantile(&means, 0.975).exp()])
 }
 
-fn resampled_mean(sums: &[(f64, usize)], random: &mut Pcg32) -> f64 {
+/// Of a cluster: the sum of the logarithms, and how many there are.
+type Sum = (f64, usize);
+
+fn sums(clusters: &[Vec<f64>]) -> Vec<Sum> {
+    let filled = clusters.iter().filter(|c| !c.is_empty());
+    filled.map(|c| (c.iter().map(|r| r.ln()).sum(), c.len())).collect()
+}
+
+fn resampled_mean(sums: &[Sum], random: &mut Pcg32) -> f64 {
     let draw = |_| {
         // The high bits of a product: uniform to within 2⁻³² times the number of clusters.
         sums[((u64::from(random.next_u32()) * sums.len() as u64) >> 32) as usize]
@@ -125,6 +146,16 @@ mod tests {
         let [low, high] = cluster_bootstrap(&singles, 1).unwrap();
         assert!(low > 0.6 && high < 1.6 && low < 1.0 && high > 1.0, "{low} {high}");
         assert_eq!(cluster_bootstrap(&[], 1), None);
+    }
+
+    #[test]
+    fn strata_weigh_alike_however_many_ratios_they_have() {
+        let strata = [vec![vec![0.5; 30], vec![0.5; 10]], vec![vec![2.0]]];
+        assert!(near(stratified_mean(&strata), 1.0));
+        // Neither stratum varies, so that nothing does.
+        let [low, high] = stratified_bootstrap(&strata, 1).unwrap();
+        assert!(near(low, 1.0) && near(high, 1.0), "{low} {high}");
+        assert_eq!(stratified_bootstrap(&[Vec::new(), vec![Vec::new()]], 1), None);
     }
 
     #[test]

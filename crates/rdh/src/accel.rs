@@ -1,10 +1,10 @@
 //! One face for all structures.
 
-use crate::bvh::{Bvh, Width};
+use crate::bvh::{self, Bvh, Width};
 use crate::error::{Error, Result};
 use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
-use crate::heuristic;
+use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
@@ -69,7 +69,6 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
-    spec.check().map_err(|reason| Error::Spec { spec: spec.to_string(), reason })?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -89,19 +88,29 @@ fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> 
 
 fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Structure> {
     let scale = crate::geom::Scale::of(&mesh.bounds()).factor();
-    let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
     match spec.structure {
         StructureSpec::Kd(mut kd) => {
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
-        StructureSpec::Bvh(bvh) => Ok(match bvh.width {
-            Width::Two => Structure::Bvh2(Bvh::build(mesh, &bvh, options)?),
-            Width::Four => Structure::Bvh4(Bvh::build(mesh, &bvh, options)?),
-            Width::Eight => Structure::Bvh8(Bvh::build(mesh, &bvh, options)?),
-        }),
+        StructureSpec::Bvh(bvh) => {
+            let guide = match &spec.heuristic {
+                HeuristicSpec::Sah => None,
+                HeuristicSpec::Rdh(rdh) => {
+                    let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                }
+            };
+            let guide = guide.as_ref();
+            Ok(match bvh.width {
+                Width::Two => Structure::Bvh2(Bvh::build(mesh, &bvh, guide, options)?),
+                Width::Four => Structure::Bvh4(Bvh::build(mesh, &bvh, guide, options)?),
+                Width::Eight => Structure::Bvh8(Bvh::build(mesh, &bvh, guide, options)?),
+            })
+        }
     }
 }
 
@@ -147,6 +156,14 @@ impl Accel {
     /// Visits the structure's leaf cells: box, depth, triangles.
     pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, usize)) {
         each!(&self.structure, tree => tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len())));
+    }
+
+    /// The kd-tree, if it is one: for those who study its nodes.
+    pub fn kd_tree(&self) -> Option<&KdTree> {
+        match &self.structure {
+            Structure::Kd(tree) => Some(tree),
+            _ => None,
+        }
     }
 
     /// All faults of the structure over its mesh; none if it is well-formed.

@@ -43,16 +43,6 @@ impl Spec {
         matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
-    /// Refuses what cannot be built: a spec made of parts that don't go together.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        match (&self.structure, &self.heuristic) {
-            (StructureSpec::Bvh(_), HeuristicSpec::Rdh(_)) => {
-                Err("rays can't guide a BVH; bvh goes with sah".to_owned())
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Parses a list of specs. Commas inside brackets don't separate.
     ///
     /// # Errors
@@ -82,7 +72,6 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
-        spec.check().map_err(fail)?;
         Ok(spec)
     }
 }
@@ -127,11 +116,12 @@ fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
             "stop" => {
                 kd.stop = choice(key, value, &[("cost", Stop::Cost), ("auto", Stop::Auto), ("paper", Stop::Paper)])?
             }
+            "idle" => kd.idle = number(key, value, 0.0, 1e9)?,
             _ => {
                 return Err(unknown(
                     "kd",
                     key,
-                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper",
+                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST",
                 ));
             }
         }
@@ -156,6 +146,7 @@ fn kd_parameters(kd: &KdSpec) -> Vec<String> {
         Stop::Cost => push(true, "stop=cost"),
         Stop::Paper => push(true, "stop=paper"),
     };
+    push(kd.idle != default.idle, &format!("idle={}", kd.idle));
     out
 }
 
@@ -219,7 +210,7 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
-            ("cap", _) => rdh.cap = value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?,
+            ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
                 let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
                 return Err(unknown("rdh", key, known));
@@ -249,8 +240,8 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if rdh.rays != base.rays {
         out.push(format!("rays={}", if rdh.rays == RayExtent::Whole { "whole" } else { "clipped" }));
     }
-    if rdh.cap != base.cap {
-        out.push(format!("cap={}", rdh.cap));
+    if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
+        out.push(format!("cap={cap}"));
     }
     out
 }
@@ -335,6 +326,8 @@ mod tests {
             ("rdh", "kd+rdh"),
             ("kd(leaf=8,split=binned)+rdh(prior=16)", "kd+rdh"),
             ("kd+rdh(paper)", "kd+rdh(paper)"),
+            ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
+            ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
@@ -356,6 +349,8 @@ mod tests {
             "bvh9+sah",
             "kd(leaf=3)",
             "kd(leaves=8)",
+            "kd(idle=-1)",
+            "kd(idle=NaN)",
             "sah(x=1)",
             "rdh(prior=-1)",
             "kd+kd",

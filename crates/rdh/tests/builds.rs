@@ -132,3 +132,21 @@ fn the_baselines_stay_as_good_as_they_are() {
         assert!(!worse, "was: {was}\nis:  {is}\nall:\n{current}");
     }
 }
+
+#[test]
+fn idle_parts_stay_leaves_of_a_bounded_size_and_busy_ones_are_split() {
+    let mesh = soup(20_000, 0.02, 9);
+    let leaves = |spec: &str| {
+        let accel = build_spec(&mesh, spec);
+        assert!(accel.check(&mesh).is_empty(), "{spec}");
+        let mut sizes = Vec::new();
+        accel.cells(&mut |_, _, triangles| sizes.push(triangles));
+        sizes
+    };
+    // The mean leaf says how far it was split, the largest one what a ray may have to pay in it.
+    let mean = |sizes: &[usize]| sizes.iter().sum::<usize>() as f64 / sizes.len() as f64;
+    let (split, some, all) = (leaves("kd+sah"), leaves("kd(idle=0.1)+sah"), leaves("kd(idle=1000)+sah"));
+    assert!(mean(&split) < mean(&some) && mean(&some) < mean(&all), "{} {} {}", mean(&split), mean(&some), mean(&all));
+    assert!(all.iter().all(|&n| n <= 48), "larger nodes are split however idle they are");
+    assert_eq!(build_spec(&mesh, "kd(idle=0)+rdh").fingerprint(), build_spec(&mesh, "kd+rdh").fingerprint());
+}

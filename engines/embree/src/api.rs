@@ -1,16 +1,7 @@
-//! Embree 4's C interface, as far as it is used: declared here from its documentation, since the libraries that are
-//! easy to get come without headers.
+//! Embree's C interface, as far as it is used and the same in versions 3 and 4: declared here from its documentation,
+//! since the libraries that are easy to get come without headers.
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
-
-/// What is asked of rays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Query {
-    /// `rtcIntersect1`.
-    Closest,
-    /// `rtcOccluded1`.
-    Occluded,
-}
 
 /// A device, scene or geometry.
 pub(crate) type Handle = *mut c_void;
@@ -43,7 +34,7 @@ pub(crate) struct RtcRay {
     pub(crate) flags: c_uint,
 }
 
-/// `RTCHit` of a library that was compiled with one instance level and instance arrays.
+/// `RTCHit` of version 4, compiled with one instance level and instance arrays. Version 3 knows all but the last field.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(16))]
 pub(crate) struct RtcHit {
@@ -65,50 +56,92 @@ pub(crate) struct RtcRayHit {
     pub(crate) hit: RtcHit,
 }
 
+/// Sixteen numbers, of sixteen rays.
+pub(crate) type Lanes<T> = [T; 16];
+
+/// `RTCRay16`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct RtcRay16 {
+    pub(crate) origin: [Lanes<f32>; 3],
+    pub(crate) t_near: Lanes<f32>,
+    pub(crate) direction: [Lanes<f32>; 3],
+    pub(crate) time: Lanes<f32>,
+    pub(crate) t_far: Lanes<f32>,
+    pub(crate) mask: Lanes<c_uint>,
+    pub(crate) id: Lanes<c_uint>,
+    pub(crate) flags: Lanes<c_uint>,
+}
+
+/// `RTCHit16`, with the last field for libraries with instance arrays: they write it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct RtcHit16 {
+    pub(crate) normal: [Lanes<f32>; 3],
+    pub(crate) u: Lanes<f32>,
+    pub(crate) v: Lanes<f32>,
+    pub(crate) primitive: Lanes<c_uint>,
+    pub(crate) geometry: Lanes<c_uint>,
+    pub(crate) instance: [Lanes<c_uint>; 1],
+    pub(crate) instance_primitive: [Lanes<c_uint>; 1],
+}
+
+/// `RTCRayHit16`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct RtcRayHit16 {
+    pub(crate) ray: RtcRay16,
+    pub(crate) hit: RtcHit16,
+}
+
 const _: () = assert!(size_of::<RtcRay>() == 48 && size_of::<RtcRayHit>() == 96);
+const _: () = assert!(size_of::<RtcRay16>() == 768 && size_of::<RtcRayHit16>() == 1344);
 
 /// Called when Embree takes or returns memory; `false` would refuse it.
 pub(crate) type MemoryMonitor = unsafe extern "C" fn(user: *mut c_void, bytes: isize, after: bool) -> bool;
 
-macro_rules! functions {
-    ($($(#[$doc:meta])* $field:ident = $symbol:literal: $type:ty;)*) => {
-        /// Embree's functions, by their names without `rtc`.
-        #[derive(Debug)]
-        pub(crate) struct Functions {
+/// Functions of a library, by their names.
+macro_rules! symbols {
+    ($(#[$about:meta])* $name:ident { $($(#[$doc:meta])* $field:ident = $symbol:literal: $type:ty;)* }) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy)]
+        pub(crate) struct $name {
             $($(#[$doc])* pub(crate) $field: $type,)*
         }
 
-        impl Functions {
+        impl $name {
             /// Looks all of them up.
-            pub(crate) fn find(library: &libloading::Library) -> Result<Self, libloading::Error> {
-                // SAFETY: the symbols have these types in all versions 4.x of Embree; `library` checks the version before
-                // any but the device's functions are called, and outlives the pointers, since it is never unloaded.
+            pub(crate) fn look_up(library: &libloading::Library) -> Result<Self, libloading::Error> {
+                // SAFETY: the symbols have these types in all releases of the version; it is checked before any but the
+                // device's functions are called. The library outlives the pointers, since it is never unloaded.
                 unsafe { Ok(Self { $($field: *library.get::<$type>(concat!($symbol, "\0").as_bytes())?,)* }) }
             }
         }
     };
 }
-functions! {
-    new_device = "rtcNewDevice": unsafe extern "C" fn(*const c_char) -> Handle;
-    release_device = "rtcReleaseDevice": unsafe extern "C" fn(Handle);
-    /// The last error of this thread, which it clears; 0 for none.
-    device_error = "rtcGetDeviceError": unsafe extern "C" fn(Handle) -> c_int;
-    device_property = "rtcGetDeviceProperty": unsafe extern "C" fn(Handle, c_int) -> isize;
-    set_memory_monitor = "rtcSetDeviceMemoryMonitorFunction": unsafe extern "C" fn(Handle, MemoryMonitor, *mut c_void);
-    new_scene = "rtcNewScene": unsafe extern "C" fn(Handle) -> Handle;
-    release_scene = "rtcReleaseScene": unsafe extern "C" fn(Handle);
-    set_scene_flags = "rtcSetSceneFlags": unsafe extern "C" fn(Handle, c_int);
-    set_scene_quality = "rtcSetSceneBuildQuality": unsafe extern "C" fn(Handle, c_int);
-    commit_scene = "rtcCommitScene": unsafe extern "C" fn(Handle);
-    new_geometry = "rtcNewGeometry": unsafe extern "C" fn(Handle, c_int) -> Handle;
-    release_geometry = "rtcReleaseGeometry": unsafe extern "C" fn(Handle);
-    /// Geometry, buffer type, slot, format, stride in bytes, items; gives the memory to fill.
-    new_buffer = "rtcSetNewGeometryBuffer":
-        unsafe extern "C" fn(Handle, c_int, c_uint, c_int, usize, usize) -> *mut c_void;
-    set_geometry_quality = "rtcSetGeometryBuildQuality": unsafe extern "C" fn(Handle, c_int);
-    commit_geometry = "rtcCommitGeometry": unsafe extern "C" fn(Handle);
-    attach_geometry = "rtcAttachGeometry": unsafe extern "C" fn(Handle, Handle) -> c_uint;
-    /// The last argument are options; null for none.
-    intersect1 = "rtcIntersect1": unsafe extern "C" fn(Handle, *mut RtcRayHit, *mut c_void);
-    occluded1 = "rtcOccluded1": unsafe extern "C" fn(Handle, *mut RtcRay, *mut c_void);
+pub(crate) use symbols;
+
+symbols! {
+    /// Embree's functions, by their names without `rtc`.
+    Functions {
+        new_device = "rtcNewDevice": unsafe extern "C" fn(*const c_char) -> Handle;
+        release_device = "rtcReleaseDevice": unsafe extern "C" fn(Handle);
+        /// The last error of this thread, which it clears; 0 for none.
+        device_error = "rtcGetDeviceError": unsafe extern "C" fn(Handle) -> c_int;
+        device_property = "rtcGetDeviceProperty": unsafe extern "C" fn(Handle, c_int) -> isize;
+        set_memory_monitor = "rtcSetDeviceMemoryMonitorFunction": unsafe extern "C" fn(Handle, MemoryMonitor, *mut c_void);
+        new_scene = "rtcNewScene": unsafe extern "C" fn(Handle) -> Handle;
+        release_scene = "rtcReleaseScene": unsafe extern "C" fn(Handle);
+        set_scene_flags = "rtcSetSceneFlags": unsafe extern "C" fn(Handle, c_int);
+        set_scene_quality = "rtcSetSceneBuildQuality": unsafe extern "C" fn(Handle, c_int);
+        commit_scene = "rtcCommitScene": unsafe extern "C" fn(Handle);
+        new_geometry = "rtcNewGeometry": unsafe extern "C" fn(Handle, c_int) -> Handle;
+        release_geometry = "rtcReleaseGeometry": unsafe extern "C" fn(Handle);
+        /// Geometry, buffer type, slot, format, stride in bytes, items; gives the memory to fill.
+        new_buffer = "rtcSetNewGeometryBuffer":
+            unsafe extern "C" fn(Handle, c_int, c_uint, c_int, usize, usize) -> *mut c_void;
+        set_geometry_quality = "rtcSetGeometryBuildQuality": unsafe extern "C" fn(Handle, c_int);
+        commit_geometry = "rtcCommitGeometry": unsafe extern "C" fn(Handle);
+        attach_geometry = "rtcAttachGeometry": unsafe extern "C" fn(Handle, Handle) -> c_uint;
+    }
 }

@@ -1,32 +1,49 @@
-//! The shared library: found in a folder, loaded, and left loaded.
+//! The shared library: found in a folder or by the system, loaded, and left loaded.
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use libloading::Library;
 use libloading::os::unix::{Library as UnixLibrary, RTLD_GLOBAL, RTLD_NOW};
+use rdh_engine_protocol::Absent;
 
+use crate::abi::Abi;
 use crate::api::Functions;
 
-/// Embree's functions.
-#[derive(Debug)]
-pub(crate) struct Embree {
-    pub(crate) functions: Functions,
+/// Loads a version of Embree: from the folder that its variable names, else from where `cargo xtask engines --fetch` puts
+/// it, else from where the system keeps its libraries.
+pub(crate) fn load<A: Abi>() -> Result<(Functions, A)> {
+    let library = match folder::<A>() {
+        Some(folder) => from_folder::<A>(&folder)?,
+        None => open(Path::new(A::SONAME)).map_err(|_| {
+            Absent(format!(
+                "there is no {}; `cargo xtask engines --fetch` gets it, or {} names its folder",
+                A::SONAME,
+                A::VARIABLE
+            ))
+        })?,
+    };
+    Ok((Functions::look_up(library)?, A::find(library)?))
 }
 
-impl Embree {
-    /// Loads `libembree4*.so*` from a folder, and before it the `libtbb*.so*` beside it, if there is one.
-    pub(crate) fn load(folder: &Path) -> Result<Self> {
-        if let Some(tbb) = find(folder, "libtbb")? {
-            open(&tbb)?;
-        }
-        let Some(embree) = find(folder, "libembree4")? else {
-            bail!("{}: there is no libembree4*.so*; engines/README.md says how to get it", folder.display());
-        };
-        let library = open(&embree)?;
-        let functions = Functions::find(library).with_context(|| embree.display().to_string())?;
-        Ok(Self { functions })
+/// A folder that was named is taken as it is; the one beside the programs must hold the library.
+fn folder<A: Abi>() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os(A::VARIABLE) {
+        return Some(named.into());
     }
+    let program = std::env::current_exe().ok()?;
+    let fetched = program.parent()?.parent()?.join(A::FOLDER);
+    find(&fetched, A::STEM).ok().flatten().map(|_| fetched)
+}
+
+/// The library, and before it the `libtbb*.so*` beside it, if there is one.
+fn from_folder<A: Abi>(folder: &Path) -> Result<&'static Library> {
+    if let Some(tbb) = find(folder, "libtbb")? {
+        open(&tbb)?;
+    }
+    let library = find(folder, A::STEM)?;
+    let library = library.ok_or_else(|| Absent(format!("{}: there is no {}*.so* in it", folder.display(), A::STEM)))?;
+    open(&library)
 }
 
 /// The first file, by name, that begins with `stem` and is a shared library. Wheels put a hash into the names, and

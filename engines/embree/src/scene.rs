@@ -1,36 +1,62 @@
 //! A mesh in Embree, and rays cast through it.
 
 use std::ffi::{CString, c_int, c_void};
-use std::hint::black_box;
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicIsize, Ordering::Relaxed};
 
 use anyhow::{Result, bail};
+use rdh_engine_protocol::clock::process_nanos;
+use rdh_engine_protocol::{Built, Engine, Mesh, Query, Ray};
 
-use crate::api::{self, Functions, Handle, INVALID_ID, Query, RtcHit, RtcRay, RtcRayHit};
-use crate::clock::{process_nanos, thread_nanos};
-use crate::files::Mesh;
-use crate::library::Embree;
-use crate::options::{Options, Quality};
+use crate::abi::Abi;
+use crate::api::{self, Functions, Handle, INVALID_ID, RtcHit, RtcRay, RtcRayHit};
+use crate::library;
+use crate::mode::{Mode, Quality};
+use crate::packet;
 
 /// A scene that holds one mesh. Single-threaded.
 #[derive(Debug)]
-pub(crate) struct Scene<'e> {
-    rtc: &'e Functions,
+pub(crate) struct Scene<A> {
+    rtc: Functions,
+    calls: A,
     device: Handle,
     scene: Handle,
     build_nanos: u64,
 }
 
-/// What came of casting rays once.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Cast {
-    /// CPU time of this thread, the set-up of each ray included.
-    pub(crate) nanos: u64,
-    /// Rays that hit something.
-    pub(crate) hits: u64,
-    /// Sum of the hit distances; 0 for occlusion.
-    pub(crate) t_sum: f64,
+impl<A: Abi> Engine for Scene<A> {
+    const NAME: &'static str = A::NAME;
+
+    fn build(mesh: Mesh, mode: &str) -> Result<Built<Self>> {
+        let mode: Mode = mode.parse()?;
+        mode.check()?;
+        let (rtc, calls) = library::load::<A>()?;
+        let engine = Self::commit(rtc, calls, &mesh, &mode)?;
+        let (version, build_nanos, bytes) = (engine.version(), engine.build_nanos, BYTES.load(Relaxed));
+        Ok(Built { engine, version, build_nanos, bytes: u64::try_from(bytes)? })
+    }
+
+    #[inline(always)]
+    fn closest(&self, ray: &Ray) -> f32 {
+        let mut query = RtcRayHit { ray: rtc_ray(ray), hit: NO_HIT };
+        // SAFETY: the scene is committed, and the structure has the layout and alignment that Embree documents.
+        unsafe { self.calls.intersect1(self.scene, &mut query) };
+        if query.hit.geometry == INVALID_ID { f32::INFINITY } else { query.ray.t_far }
+    }
+
+    #[inline(always)]
+    fn occluded(&self, ray: &Ray) -> bool {
+        let mut query = rtc_ray(ray);
+        // SAFETY: as for `intersect1`.
+        unsafe { self.calls.occluded1(self.scene, &mut query) };
+        query.t_far == f32::NEG_INFINITY
+    }
+
+    fn packets(&self, rays: &[Ray], query: Query, see: impl FnMut(f32)) -> Result<()> {
+        // SAFETY: the scene is committed.
+        unsafe { packet::cast(&self.calls, self.scene, rays, query, see) };
+        Ok(())
+    }
 }
 
 /// What Embree holds at the moment, in bytes. There is one device only.
@@ -41,12 +67,10 @@ unsafe extern "C" fn note_memory(_user: *mut c_void, bytes: isize, _after: bool)
     true
 }
 
-impl<'e> Scene<'e> {
+impl<A: Abi> Scene<A> {
     /// Builds the structure, on one thread.
-    pub(crate) fn build(embree: &'e Embree, mesh: &Mesh, options: &Options) -> Result<Self> {
-        let rtc = &embree.functions;
-        let isa = options.isa.as_ref().map(|isa| format!(",isa={isa}")).unwrap_or_default();
-        let config = CString::new(format!("threads=1{isa}"))?;
+    fn commit(rtc: Functions, calls: A, mesh: &Mesh, mode: &Mode) -> Result<Self> {
+        let config = CString::new(format!("threads=1,isa={}", mode.isa))?;
         // SAFETY: the configuration is a text that ends with a zero and lives until the call returns.
         let device = unsafe { (rtc.new_device)(config.as_ptr()) };
         if device.is_null() {
@@ -55,25 +79,25 @@ impl<'e> Scene<'e> {
                 (rtc.device_error)(null_mut())
             });
         }
-        let mut built = Self { rtc, device, scene: null_mut(), build_nanos: 0 };
+        let mut built = Self { rtc, calls, device, scene: null_mut(), build_nanos: 0 };
         built.check_version()?;
         // SAFETY: the device is valid; the monitor is a function without captured state, and needs no user pointer.
         unsafe { (rtc.set_memory_monitor)(device, note_memory, null_mut()) };
-        built.fill(mesh, options);
+        built.fill(mesh, mode);
         built.check_error()?;
         Ok(built)
     }
 
     fn check_version(&self) -> Result<()> {
         match self.version_number() / 10_000 {
-            4 => Ok(()),
-            major => bail!("this program knows Embree 4, but the library is version {major}"),
+            major if major == A::MAJOR => Ok(()),
+            major => bail!("this program knows Embree {}, but the library is version {major}", A::MAJOR),
         }
     }
 
-    fn fill(&mut self, mesh: &Mesh, options: &Options) {
-        let rtc = self.rtc;
-        let quality = match options.quality {
+    fn fill(&mut self, mesh: &Mesh, mode: &Mode) {
+        let rtc = &self.rtc;
+        let quality = match mode.quality {
             Quality::Medium => api::BUILD_QUALITY_MEDIUM,
             Quality::High => api::BUILD_QUALITY_HIGH,
         };
@@ -81,7 +105,7 @@ impl<'e> Scene<'e> {
         // hold the items that were asked for, which `fill_buffer` relies on.
         unsafe {
             self.scene = (rtc.new_scene)(self.device);
-            (rtc.set_scene_flags)(self.scene, if options.robust { api::SCENE_FLAG_ROBUST } else { 0 });
+            (rtc.set_scene_flags)(self.scene, if mode.robust { api::SCENE_FLAG_ROBUST } else { 0 });
             (rtc.set_scene_quality)(self.scene, quality);
             let geometry = (rtc.new_geometry)(self.device, api::GEOMETRY_TYPE_TRIANGLE);
             fill_buffer(rtc, geometry, api::BUFFER_TYPE_VERTEX, api::FORMAT_FLOAT3, &mesh.positions);
@@ -104,18 +128,8 @@ impl<'e> Scene<'e> {
         }
     }
 
-    /// CPU time of the build, all threads.
-    pub(crate) fn build_nanos(&self) -> u64 {
-        self.build_nanos
-    }
-
-    /// What Embree holds: its structure, and its copy of the mesh.
-    pub(crate) fn bytes(&self) -> isize {
-        BYTES.load(Relaxed)
-    }
-
     /// `4.4.0`.
-    pub(crate) fn version(&self) -> String {
+    fn version(&self) -> String {
         let version = self.version_number();
         format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
@@ -124,46 +138,9 @@ impl<'e> Scene<'e> {
         // SAFETY: the device is valid.
         unsafe { (self.rtc.device_property)(self.device, api::DEVICE_PROPERTY_VERSION) }
     }
-
-    /// Casts rays one by one, as a user would.
-    pub(crate) fn cast(&self, rays: &[[f32; 8]], query: Query) -> Cast {
-        let start = thread_nanos();
-        let (hits, t_sum) = match query {
-            Query::Closest => self.closest(rays),
-            Query::Occluded => (self.occluded(rays), 0.0),
-        };
-        let (hits, t_sum) = black_box((hits, t_sum));
-        Cast { nanos: thread_nanos() - start, hits, t_sum }
-    }
-
-    fn closest(&self, rays: &[[f32; 8]]) -> (u64, f64) {
-        let (mut hits, mut t_sum) = (0, 0.0);
-        for ray in rays {
-            let mut query = RtcRayHit { ray: rtc_ray(ray), hit: NO_HIT };
-            // SAFETY: the scene is committed, the structure has the layout and alignment that Embree 4 documents, and
-            // null stands for the default arguments.
-            unsafe { (self.rtc.intersect1)(self.scene, &raw mut query, null_mut()) };
-            if query.hit.geometry != INVALID_ID {
-                hits += 1;
-                t_sum += f64::from(query.ray.t_far);
-            }
-        }
-        (hits, t_sum)
-    }
-
-    fn occluded(&self, rays: &[[f32; 8]]) -> u64 {
-        let mut hits = 0;
-        for ray in rays {
-            let mut query = rtc_ray(ray);
-            // SAFETY: as for `intersect1`.
-            unsafe { (self.rtc.occluded1)(self.scene, &raw mut query, null_mut()) };
-            hits += u64::from(query.t_far == f32::NEG_INFINITY);
-        }
-        hits
-    }
 }
 
-impl Drop for Scene<'_> {
+impl<A> Drop for Scene<A> {
     fn drop(&mut self) {
         // SAFETY: both handles are owned by this value and not used afterwards; a scene may be missing.
         unsafe {
@@ -186,13 +163,13 @@ const NO_HIT: RtcHit = RtcHit {
 };
 
 #[inline(always)]
-fn rtc_ray(r: &[f32; 8]) -> RtcRay {
+fn rtc_ray(ray: &Ray) -> RtcRay {
     RtcRay {
-        origin: [r[0], r[1], r[2]],
-        t_near: r[6],
-        direction: [r[3], r[4], r[5]],
+        origin: ray.origin,
+        t_near: ray.t_min,
+        direction: ray.direction,
         time: 0.0,
-        t_far: r[7],
+        t_far: ray.t_max,
         mask: u32::MAX,
         id: 0,
         flags: 0,

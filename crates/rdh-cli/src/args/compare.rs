@@ -1,6 +1,6 @@
 //! Arguments of `rdh compare`.
 
-use rdh_study::{Mode, Protocol};
+use rdh_study::{Mode, Protocol, Source};
 
 use super::values::{self, Size};
 
@@ -30,6 +30,10 @@ pub(crate) struct CompareArgs {
     /// paper (a subset of the frame's own rays), same (all test rays: the bound)
     #[arg(long, value_name = "NAME", default_value = "unseen")]
     pub protocol: Protocol,
+    /// Where they come from, if not from the view itself: none, frame:1/N (this frame's pixels, through a first tree that is
+    /// paid for), previous:K (frames ago, of an animation or a camera path), view:NAME, all
+    #[arg(long, value_name = "SOURCE", conflicts_with = "protocol")]
+    pub rrs: Option<Source>,
     /// How many training rays a view gets [default: 16384]
     #[arg(long, value_name = "N", value_parser = values::ray_count)]
     pub training: Option<usize>,

@@ -1,21 +1,27 @@
 //! What was typed.
 
+mod bench;
 mod compare;
 mod rays;
 mod record;
 mod render;
+mod report;
 mod scenes;
+mod study;
 mod values;
 
 use std::path::PathBuf;
 
 use clap::{ArgAction, ColorChoice, Parser, Subcommand};
 
+pub(crate) use bench::BenchArgs;
 pub(crate) use compare::CompareArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
 pub(crate) use render::{Heat, RenderArgs};
+pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
+pub(crate) use study::{MergeArgs, StudyArgs};
 pub(crate) use values::{Place, Size, Slice};
 
 /// rdh: profile-guided ray tracing.
@@ -38,6 +44,10 @@ const EXIT_CODES: &str = "Exit codes: 0 fine, 1 failed, 2 usage, 3 a verificatio
 pub(crate) enum Command {
     /// Build with several specs, cast the same rays, and print what they cost
     Compare(CompareArgs),
+    /// Answer the study's questions over many scenes; can be killed, resumed and shared out
+    Study(StudyArgs),
+    /// Join the parts of a study, check them, and print its summary
+    Merge(MergeArgs),
     /// List scenes and their views, or say what is in mesh files
     Scenes(ScenesArgs),
     /// Record the rays of a mode as a profile
@@ -46,6 +56,10 @@ pub(crate) enum Command {
     Rays(RaysArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
+    /// Make one self-contained page of a study
+    Report(ReportArgs),
+    /// Race our structures against other libraries'
+    Bench(BenchArgs),
 }
 
 /// Arguments that every command takes.

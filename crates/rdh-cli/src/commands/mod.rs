@@ -1,7 +1,11 @@
 //! One module a command.
 
+pub(crate) mod bench;
 pub(crate) mod compare;
+pub(crate) mod merge;
 pub(crate) mod rays;
 pub(crate) mod record;
 pub(crate) mod render;
+pub(crate) mod report;
 pub(crate) mod scenes;
+pub(crate) mod study;

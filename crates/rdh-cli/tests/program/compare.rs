@@ -92,3 +92,26 @@ fn one_view_and_several_modes() {
     let classes: Vec<_> = rows.as_array().unwrap().iter().map(|r| r["class"].as_str().unwrap()).collect();
     assert_eq!(classes, ["primary", "primary", "ao"]);
 }
+
+#[test]
+fn training_rays_come_from_where_they_are_said_to() {
+    let run = |scene: &'static str, source: &'static str| {
+        let args = [scene, "--spec", "kd+sah,kd+rdh", "--rrs", source, "--json"];
+        let document = json(&small(&args));
+        let row = document["rows"][1].clone();
+        (row["train_view"].as_str().map(str::to_owned), row["rrs_secs"].as_f64(), row["protocol"].clone())
+    };
+    assert_eq!(run("flat:room", "view:window").0.as_deref(), Some("window"));
+    assert_eq!(run("flat:room", "all").0.as_deref(), Some("all"));
+    let (view, secs, protocol) = run("flat:room", "frame:1/16");
+    assert!(view.as_deref() == Some("room") && secs > Some(0.0) && protocol == "paper");
+    let (view, secs, _) = run("flat:walk@60", "previous:4");
+    assert_eq!((view.as_deref(), secs), (Some("walk@56"), Some(0.0)));
+}
+
+#[test]
+fn sources_that_give_no_rays_are_refused() {
+    rdh(&small(&["flat", "--rrs", "everything"])).failed(2, &["everything", "frame:1/N"]);
+    rdh(&small(&["flat", "--rrs", "none"])).failed(2, &["kd+rdh", "needs rays"]);
+    rdh(&small(&["flat:walk@500"])).failed(2, &["walk@500", "frames 0 to"]);
+}

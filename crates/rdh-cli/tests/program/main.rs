@@ -1,8 +1,11 @@
 //! The program from outside: what it prints, writes, and how it ends.
 
+mod bench;
 mod compare;
 mod rays;
 mod render;
+mod report;
 mod run;
 mod scenes;
+mod study;
 mod usage;

@@ -24,6 +24,7 @@ pub use cost::path_counts;
 pub use lens::Lens;
 pub use lidar::{LIDAR_AZIMUTHS, LIDAR_BEAMS, LIDAR_FIELD_DEGREES};
 pub use mode::Mode;
+pub(crate) use random::{Random, derived_seed};
 pub use shade::radiance;
 pub use stage::Stage;
 pub use stream::{RayBatch, Shoot};

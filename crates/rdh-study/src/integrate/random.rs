@@ -32,7 +32,8 @@ impl Random {
         unit(add(normal, self.on_sphere())).filter(|d| dot(*d, normal) > 0.0).unwrap_or(normal)
     }
 
-    fn on_sphere(&mut self) -> V3 {
+    /// A direction of length 1, uniform over the sphere.
+    pub(crate) fn on_sphere(&mut self) -> V3 {
         loop {
             let p = [self.unit(), self.unit(), self.unit()].map(|x| 2.0 * x - 1.0);
             let square = dot(p, p);

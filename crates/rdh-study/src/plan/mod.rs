@@ -1,6 +1,7 @@
 //! What is to be run, as plain data.
 
 mod protocol;
+mod source;
 mod target;
 
 use rdh::{HeuristicSpec, RdhSpec, Spec};
@@ -9,7 +10,9 @@ use crate::error::{Error, Result};
 use crate::integrate::Mode;
 
 pub use protocol::Protocol;
+pub use source::Source;
 pub use target::Target;
+pub(crate) use target::path_view;
 
 /// A study: targets × modes × specs. Everything that decides its counts is in here.
 #[derive(Debug, Clone)]
@@ -26,6 +29,8 @@ pub struct Plan {
     pub training: usize,
     /// How the training rays are chosen.
     pub protocol: Protocol,
+    /// Where they come from, if not from the view that is tested, by the protocol.
+    pub rrs: Option<Source>,
     /// Test and training rays use two seeds that are derived from this one.
     pub seed: u64,
     /// How often each structure casts all rays, interleaved with the others.
@@ -63,6 +68,7 @@ impl Default for Plan {
             size: [512, 512],
             training: 16_384,
             protocol: Protocol::Unseen,
+            rrs: None,
             seed: 1,
             rounds: 3,
             small_rounds: 5,
@@ -134,6 +140,9 @@ impl Plan {
         ];
         if let Some((what, _)) = empty.iter().find(|(_, is_empty)| *is_empty) {
             return fail(format!("nothing to do: no {what}"));
+        }
+        if let (Some(Source::None), Some(spec)) = (&self.rrs, self.specs.iter().find(|s| s.needs_rays())) {
+            return fail(format!("spec '{spec}' needs rays, and there are to be none"));
         }
         let pixels = self.size[0].checked_mul(self.size[1]).filter(|&n| n <= Self::MAX_PIXELS);
         if pixels.is_none() || self.training > Self::MAX_PIXELS {

@@ -29,7 +29,7 @@ impl Target {
         self.view_names().len()
     }
 
-    pub(super) fn view_names(&self) -> Vec<String> {
+    pub(crate) fn view_names(&self) -> Vec<String> {
         if self.views.is_empty() {
             self.entry.views.iter().map(|v| v.name.clone()).collect()
         } else {
@@ -50,10 +50,26 @@ impl Target {
             return Ok(known);
         }
         let find = |name: &String| {
+            if let Some(view) = path_view(&self.entry, name, 0)? {
+                return Ok(view);
+            }
             let names = || known.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
             let found = known.iter().find(|v| v.name == *name).cloned();
             found.ok_or_else(|| format!("unknown view '{name}'; known: {}", names()))
         };
         self.views.iter().map(find).collect()
     }
+}
+
+/// A view along a camera path of a scene, some frames before the named one: `walk@60`. Nothing for other names.
+///
+/// # Errors
+/// A path that there isn't; a frame that isn't a number, or lies before the path's first one.
+pub(crate) fn path_view(entry: &Entry, name: &str, before: u32) -> Result<Option<View>, String> {
+    let Some((path, frame)) = name.split_once('@') else { return Ok(None) };
+    let paths = entry.paths().map_err(|e| e.to_string())?;
+    let path = paths.iter().find(|p| p.name == path).ok_or_else(|| format!("there is no path '{path}'"))?;
+    let frame: u32 = frame.parse().map_err(|_| format!("'{name}': the frame isn't a number"))?;
+    let frame = frame.checked_sub(before).ok_or_else(|| format!("'{name}' has no frame {before} before it"))?;
+    Ok(path.at(frame))
 }

@@ -1,61 +1,80 @@
 //! Builds of a scene's structures, timed.
 
-use rdh::{BuildOptions, Spec, Training};
+use rdh::{Accel, BuildOptions, Mesh, Spec, Training};
 
-use super::{Event, Prepared, Study};
 use crate::clock::time_process;
 use crate::stats::median;
 
-/// A finished structure and what it took.
-pub(super) struct Built {
-    pub(super) spec: Spec,
-    pub(super) accel: rdh::Accel,
-    pub(super) build_secs: f64,
+/// Rays to learn from, where they come from, and what they cost.
+#[derive(Debug, Clone)]
+pub struct Lesson {
+    /// The rays.
+    pub training: Training,
+    /// One thread's CPU time of casting and recording them.
+    pub secs: f64,
+    /// The view that they were cast from.
+    pub view: String,
+    /// The frame that they were cast in.
+    pub frame: u32,
 }
 
-impl Study<'_, '_> {
-    /// Builds some specs, several times and interleaved in small scenes. Those that fail are told and left out.
-    pub(super) fn build_all(
-        &mut self,
-        on: &Prepared<'_>,
-        view: Option<&str>,
-        specs: &[Spec],
-        training: &Training,
-    ) -> Vec<Built> {
-        let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
-        let mut accels: Vec<Option<rdh::Accel>> = specs.iter().map(|_| None).collect();
-        let mut secs = vec![Vec::new(); specs.len()];
-        let mut failed = vec![false; specs.len()];
-        for round in 0..self.plan.builds_for(on.stage.mesh().len()) {
-            for turn in 0..specs.len() {
-                let i = (turn + round) % specs.len();
-                if failed[i] {
-                    continue;
-                }
-                // The old one goes first: two of a large scene's trees would not fit.
-                accels[i] = None;
-                match time_process(|| rdh::build(on.stage.mesh(), &specs[i], training, &options)) {
-                    (Ok(accel), time) => {
-                        accels[i] = Some(accel);
-                        secs[i].push(time);
-                    }
-                    (Err(error), _) => {
-                        failed[i] = true;
-                        self.fail_case(on, view, Some(specs[i]), error.to_string());
-                    }
-                }
-            }
-        }
-        let finished = specs
-            .iter()
-            .zip(accels)
-            .zip(&secs)
-            .filter_map(|((&spec, accel), secs)| Some(Built { spec, accel: accel?, build_secs: median(secs) }));
-        let finished: Vec<Built> = finished.collect();
-        for built in &finished {
-            let scene = &on.target.entry.id;
-            (self.observer)(&Event::Built { scene, spec: built.spec, secs: built.build_secs });
-        }
-        finished
+/// A finished structure and what it took.
+#[derive(Debug)]
+pub struct Built {
+    /// What it is.
+    pub spec: Spec,
+    /// The structure.
+    pub accel: Accel,
+    /// One thread's CPU time: the median of the builds.
+    pub build_secs: f64,
+    /// One thread's CPU time for the rays it was built for; 0 without.
+    pub rrs_secs: f64,
+    /// View and frame of those rays.
+    pub trained_at: Option<(String, u32)>,
+}
+
+impl Lesson {
+    /// No rays, at no cost.
+    pub fn none() -> Self {
+        Self { training: Training::none(), secs: 0.0, view: String::new(), frame: 0 }
     }
+}
+
+impl Built {
+    fn new(spec: Spec, lesson: &Lesson, accel: Accel, build_secs: f64) -> Self {
+        let trained = spec.needs_rays();
+        Self {
+            spec,
+            accel,
+            build_secs,
+            rrs_secs: if trained { lesson.secs } else { 0.0 },
+            trained_at: trained.then(|| (lesson.view.clone(), lesson.frame)),
+        }
+    }
+}
+
+/// Builds structures one after the other, on one thread each, and all of them `times` times in turn, so that whatever drifts meets
+/// all alike. What can't be built is a reason.
+pub fn build_interleaved(mesh: &Mesh, wanted: &[(Spec, &Lesson)], times: usize) -> Vec<Result<Built, String>> {
+    let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
+    let mut accels: Vec<Option<Result<Accel, String>>> = wanted.iter().map(|_| None).collect();
+    let mut secs = vec![Vec::new(); wanted.len()];
+    for round in 0..times {
+        for turn in 0..wanted.len() {
+            let i = (turn + round) % wanted.len();
+            if matches!(accels[i], Some(Err(_))) {
+                continue;
+            }
+            // The old one goes first: two of a large scene's trees would not fit.
+            accels[i] = None;
+            let (spec, lesson) = &wanted[i];
+            let (accel, time) = time_process(|| rdh::build(mesh, spec, &lesson.training, &options));
+            accels[i] = Some(accel.map_err(|e| e.to_string()));
+            secs[i].push(time);
+        }
+    }
+    let finished = wanted.iter().zip(accels).zip(&secs).filter_map(|((&(spec, lesson), accel), secs)| {
+        Some(accel?.map(|accel| Built::new(spec, lesson, accel, median(secs))))
+    });
+    finished.collect()
 }

@@ -1,16 +1,15 @@
 //! One case: a view of a scene in a mode, from rays to rows.
 
-use rdh::{Spec, Training};
+use rdh::{Accel, Spec};
 use rdh_scene::View;
 
-use super::build::Built;
+use super::build::{Built, Lesson};
+use super::site::Site;
+use super::trial::{Trial, in_pool};
 use super::{Event, Prepared, Study};
 use crate::clock::time_thread;
-use crate::integrate::{Mode, RayBatch, Shoot};
-use crate::measure::{Tally, difference, tally, time_interleaved};
-use crate::plan::{Case, Plan};
-use crate::rows::{Mismatch, Row};
-use crate::stats::median;
+use crate::integrate::{Mode, Shoot};
+use crate::plan::{Case, Plan, Protocol, Source};
 
 impl Study<'_, '_> {
     pub(super) fn case(&mut self, on: &Prepared<'_>, view: &View, mode: Mode) {
@@ -20,120 +19,82 @@ impl Study<'_, '_> {
             return self.fail_case(on, Some(&view.name), None, "no structure to make the rays with".to_owned());
         };
         let shoot = Shoot::new(&on.stage, mode, view, self.plan);
-        let batches = self.in_pool(|| shoot.batches(first));
+        let batches = in_pool(self.pool.as_ref(), || shoot.batches(first));
         let needs_rays: Vec<Spec> = self.plan.specs.iter().filter(|s| s.needs_rays()).copied().collect();
         let test_rays = batches.iter().map(|b| b.rays.len()).sum();
-        let (training, rrs_secs) = match needs_rays.is_empty() {
-            true => (Training::none(), 0.0),
-            false => time_thread(|| shoot.training(first, test_rays)),
+        let lesson = match self.lesson(on, &shoot, (view, mode), &needs_rays, test_rays) {
+            Ok(lesson) => lesson,
+            Err(reason) => return self.fail_case(on, Some(&view.name), None, reason),
         };
-        let trained = self.build_all(on, Some(&view.name), &needs_rays, &training);
+        let trained = self.build_all(on, Some(&view.name), &needs_rays, &lesson);
         let trees: Vec<&Built> = self.plan.specs.iter().filter_map(|s| find(&on.shared, &trained, s)).collect();
-        if trees.is_empty() {
-            return;
+        let triangles = on.stage.mesh().len();
+        let (kind, plan, pool) = (on.target.entry.kind, self.told(), self.pool.as_ref());
+        let outcome = Trial { case: &case, kind, triangles, plan: &plan, pool }.run(&trees, &batches);
+        for mismatch in outcome.mismatches {
+            (self.observer)(&Event::Mismatch(&mismatch));
+            self.document.mismatches.push(mismatch);
         }
-        let tallies = self.tally_all(&case, &trees, &batches);
-        let accels: Vec<&rdh::Accel> = trees.iter().map(|t| &t.accel).collect();
-        let times = time_interleaved(&accels, &batches, self.plan.rounds_for(on.stage.mesh().len()));
-        for (i, tree) in trees.iter().enumerate() {
-            for (j, batch) in batches.iter().enumerate() {
-                let row = row(self.plan, on, &case, tree, batch, &tallies[i][j], &times[i][j], rrs_secs);
-                (self.observer)(&Event::Row(&row));
-                self.document.rows.push(row);
-            }
+        for row in outcome.rows.into_iter().flatten() {
+            (self.observer)(&Event::Row(&row));
+            self.document.rows.push(row);
         }
     }
 
-    /// Counts of `[tree][batch]`; disagreements with the first tree are told.
-    fn tally_all(&mut self, case: &Case, trees: &[&Built], batches: &[RayBatch]) -> Vec<Vec<Tally>> {
-        let mut tallies: Vec<Vec<Tally>> = trees.iter().map(|_| Vec::new()).collect();
-        for batch in batches {
-            let base = self.in_pool(|| tally(&trees[0].accel, batch));
-            for (i, tree) in trees.iter().enumerate().skip(1) {
-                let mut other = self.in_pool(|| tally(&tree.accel, batch));
-                if let Some(mismatch) = mismatch(case, batch, (tree.spec, &other), (trees[0].spec, &base)) {
-                    (self.observer)(&Event::Mismatch(&mismatch));
-                    self.document.mismatches.push(mismatch);
-                }
-                other.answers = Vec::new();
-                tallies[i].push(other);
-            }
-            tallies[0].push(Tally { answers: Vec::new(), ..base });
+    /// The rays that trees are built for.
+    fn lesson(
+        &self,
+        on: &Prepared<'_>,
+        shoot: &Shoot<'_>,
+        (view, mode): (&View, Mode),
+        needs_rays: &[Spec],
+        test_rays: usize,
+    ) -> Result<Lesson, String> {
+        let Some(first) = on.first().filter(|_| !needs_rays.is_empty()) else { return Ok(Lesson::none()) };
+        if let Some(source) = &self.plan.rrs {
+            return self.site(on, first).lesson(source, view, mode);
         }
-        tallies
+        let (training, secs) = time_thread(|| shoot.training(first, test_rays));
+        Ok(Lesson { training, secs, view: view.name.clone(), frame: on.frame })
+    }
+
+    /// The plan as rows tell it: a part of the frame is chosen as the paper does.
+    fn told(&self) -> Plan {
+        let paper = matches!(self.plan.rrs, Some(Source::Frame(_)));
+        Plan { protocol: if paper { Protocol::Paper } else { self.plan.protocol }, ..self.plan.clone() }
+    }
+
+    fn site<'s>(&'s self, on: &'s Prepared<'_>, first: &'s Accel) -> Site<'s> {
+        let Prepared { target, frame, stage, views, .. } = on;
+        Site { entry: &target.entry, frame: *frame, stage, first, views, plan: self.plan, load: self.load }
+    }
+
+    /// Builds some specs. Those that fail are told and left out.
+    pub(super) fn build_all(
+        &mut self,
+        on: &Prepared<'_>,
+        view: Option<&str>,
+        specs: &[Spec],
+        lesson: &Lesson,
+    ) -> Vec<Built> {
+        let mesh = on.stage.mesh();
+        let wanted: Vec<(Spec, &Lesson)> = specs.iter().map(|&spec| (spec, lesson)).collect();
+        let results = super::build_interleaved(mesh, &wanted, self.plan.builds_for(mesh.len()));
+        let mut finished = Vec::new();
+        for (result, &spec) in results.into_iter().zip(specs) {
+            match result {
+                Ok(built) => {
+                    let scene = &on.target.entry.id;
+                    (self.observer)(&Event::Built { scene, spec, secs: built.build_secs });
+                    finished.push(built);
+                }
+                Err(reason) => self.fail_case(on, view, Some(spec), reason),
+            }
+        }
+        finished
     }
 }
 
 fn find<'b>(shared: &'b [Built], trained: &'b [Built], spec: &Spec) -> Option<&'b Built> {
     shared.iter().chain(trained).find(|b| b.spec == *spec)
-}
-
-fn mismatch(case: &Case, batch: &RayBatch, other: (Spec, &Tally), base: (Spec, &Tally)) -> Option<Mismatch> {
-    let difference = difference(other.1, base.1)?;
-    let ray = &batch.rays[difference.first];
-    let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin, ray.direction);
-    Some(Mismatch {
-        scene: case.scene.clone(),
-        view: case.view.clone(),
-        mode: case.mode,
-        class: batch.class,
-        spec: other.0,
-        base: base.0,
-        rays: difference.rays,
-        first_ray: difference.first,
-        ray: [ox, oy, oz, dx, dy, dz],
-        t_max: Some(ray.t_max).filter(|t| t.is_finite()),
-        answer: other.1.answers[difference.first].hit(),
-        base_answer: base.1.answers[difference.first].hit(),
-    })
-}
-
-#[expect(clippy::too_many_arguments, reason = "a row is where everything comes together")]
-fn row(
-    plan: &Plan,
-    on: &Prepared<'_>,
-    case: &Case,
-    tree: &Built,
-    batch: &RayBatch,
-    tally: &Tally,
-    secs: &[f64],
-    rrs_secs: f64,
-) -> Row {
-    let rays = batch.rays.len() as f64;
-    let round_nanos_per_ray: Vec<f64> = secs.iter().map(|s| s * 1e9 / rays).collect();
-    let (stats, trained) = (tree.accel.stats(), tree.spec.needs_rays());
-    Row {
-        scene: case.scene.clone(),
-        view: case.view.clone(),
-        frame: case.frame,
-        kind: on.target.entry.kind,
-        mode: case.mode,
-        class: batch.class,
-        spec: tree.spec,
-        triangles: on.stage.mesh().len(),
-        rays: batch.rays.len() as u64,
-        hits: tally.hits,
-        t_sum: tally.t_sum,
-        trained_on: stats.trained_on,
-        train_view: trained.then(|| case.view.clone()),
-        train_frame: trained.then_some(case.frame),
-        steps_per_ray: tally.counts.steps() as f64 / rays,
-        tests_per_ray: tally.counts.tests as f64 / rays,
-        empty_leaves_per_ray: tally.counts.empty_leaves as f64 / rays,
-        nanos_per_ray: median(&round_nanos_per_ray),
-        round_nanos_per_ray,
-        build_secs: tree.build_secs,
-        rrs_secs: if trained { rrs_secs } else { 0.0 },
-        nodes: stats.nodes,
-        references: stats.references,
-        bytes: stats.bytes,
-        depth: stats.depth,
-        protocol: plan.protocol,
-        seed: plan.seed,
-        experiment: None,
-        setting: None,
-        x: None,
-        cost_p999: None,
-        depth_complexity: None,
-    }
 }

@@ -2,9 +2,11 @@
 
 mod build;
 mod case;
+mod site;
+mod trial;
 
 use rayon::ThreadPool;
-use rdh::{Spec, Training};
+use rdh::Spec;
 use rdh_scene::{Entry, Note, Scene, View};
 
 use crate::error::{Error, Result};
@@ -12,7 +14,10 @@ use crate::integrate::Stage;
 use crate::plan::{Case, Plan, Target};
 use crate::rows::{Document, Failure, Mismatch, Row};
 use crate::summary::summarise;
-use build::Built;
+pub use build::{Built, Lesson, build_interleaved};
+pub use site::Site;
+pub(crate) use trial::in_pool;
+pub use trial::{Outcome, Trial};
 
 /// What a run tells while it goes on.
 #[derive(Debug)]
@@ -77,6 +82,7 @@ pub fn run_loading(plan: &Plan, load: &Load, observer: &mut dyn FnMut(&Event<'_>
         summary: Vec::new(),
         failures: Vec::new(),
         mismatches: Vec::new(),
+        curves: Vec::new(),
     };
     let total = plan.cases().len();
     let mut study = Study { plan, load, observer, pool: pool(plan.threads)?, document, done: 0, total };
@@ -91,9 +97,9 @@ pub fn run_loading(plan: &Plan, load: &Load, observer: &mut dyn FnMut(&Event<'_>
 }
 
 /// Reads or makes a scene at a frame.
-pub type Load = dyn Fn(&Entry, u32) -> rdh_scene::Result<Scene>;
+pub type Load = dyn Fn(&Entry, u32) -> rdh_scene::Result<Scene> + Sync;
 
-fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>> {
+pub(crate) fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>> {
     let start = |count: usize| {
         let started = rayon::ThreadPoolBuilder::new().num_threads(count).build();
         started.map_err(|e| Error::Threads { count, reason: e.to_string() })
@@ -116,6 +122,8 @@ struct Prepared<'t> {
     target: &'t Target,
     frame: u32,
     stage: Stage,
+    /// All views, wanted or not.
+    views: Vec<View>,
     shared: Vec<Built>,
     /// The tree that rays are made with, if no spec of the plan can: it counts nowhere.
     helper: Option<Built>,
@@ -154,22 +162,16 @@ impl Study<'_, '_> {
         let triangles = stage.mesh().len();
         (self.observer)(&Event::Loaded { scene: &target.entry.id, frame, triangles, notes: &scene.notes });
         let views = target.resolve(&scene.views, || stage.overview())?;
+        let all = Target::all(target.entry.clone()).resolve(&scene.views, || stage.overview())?;
         // The mesh is in the stage now; two copies of a large scene would be one too many.
         drop(scene);
-        let mut prepared = Prepared { target, frame, stage, shared: Vec::new(), helper: None };
+        let mut prepared = Prepared { target, frame, stage, views: all, shared: Vec::new(), helper: None };
         let needs_no_rays: Vec<Spec> = self.plan.specs.iter().filter(|s| !s.needs_rays()).copied().collect();
-        prepared.shared = self.build_all(&prepared, None, &needs_no_rays, &Training::none());
+        prepared.shared = self.build_all(&prepared, None, &needs_no_rays, &Lesson::none());
         if prepared.shared.is_empty() {
-            prepared.helper = self.build_all(&prepared, None, &[Spec::default()], &Training::none()).pop();
+            prepared.helper = self.build_all(&prepared, None, &[Spec::default()], &Lesson::none()).pop();
         }
         Ok((prepared, views))
-    }
-
-    fn in_pool<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
     }
 
     fn fail_case(&mut self, on: &Prepared<'_>, view: Option<&str>, spec: Option<Spec>, reason: String) {

@@ -1,10 +1,11 @@
 //! What a study finds out, job by job: the lines of its log.
 
-use rdh::Spec;
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::integrate::Mode;
-use crate::rows::{Failure, Mismatch, Row};
+use crate::rows::{Curve, Failure, Mismatch, Row};
 
 /// One unit of work that is done as a whole, or not at all: a view of a scene in a mode, under one experiment.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -39,15 +40,24 @@ pub struct Record {
     pub mismatches: Vec<Mismatch>,
 }
 
-/// Points of a named quantity over another.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Curve {
-    /// What is measured, under which setting: `p measured / p estimated, uniform whole`.
-    pub name: String,
-    /// The structure it was measured on.
-    pub spec: Spec,
-    /// The quantity across: `depth`, `rays`.
-    pub across: String,
-    /// `[x, y, weight]`; a weighted mean over scenes uses the weights.
-    pub points: Vec<[f64; 3]>,
+impl Record {
+    /// An empty record of a job.
+    pub fn of(job: Job) -> Self {
+        Self { job, rows: Vec::new(), curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
+    }
+
+    /// The record without what a clock said: equal for equal jobs.
+    pub fn without_times(&self) -> Self {
+        Self { rows: self.rows.iter().map(Row::without_times).collect(), ..self.clone() }
+    }
+}
+
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}:{}", self.experiment, self.scene, self.view)?;
+        if self.frame > 0 {
+            write!(f, "@{}", self.frame)?;
+        }
+        write!(f, " {}", self.mode)
+    }
 }

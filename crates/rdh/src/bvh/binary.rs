@@ -68,28 +68,66 @@ pub(crate) const DEEPEST: u32 = 64;
 /// Larger subtrees grow in a list of their own, on two threads if there are.
 const OWN_ABOVE: usize = 1 << 14;
 
+/// Chooses where to split: by areas, or by the rays in a node.
+pub(crate) trait Chooser: Sync {
+    /// The rays in a node, as far as they matter.
+    type Rays: Send;
+
+    /// The rays in the root.
+    fn root(&self, extent: &Extent) -> Self::Rays;
+
+    /// Those of a node's rays that meet a child.
+    fn descend(&self, rays: &Self::Rays, child: &Extent) -> Self::Rays;
+
+    /// The cheapest split of a node, unless all centres coincide.
+    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<Self::Rays>) -> Option<Split>;
+}
+
+/// Splits by areas.
+pub(crate) struct ByArea;
+
+impl Chooser for ByArea {
+    type Rays = ();
+
+    fn root(&self, _extent: &Extent) {}
+
+    fn descend(&self, (): &(), _child: &Extent) {}
+
+    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<()>) -> Option<Split> {
+        search.best(primitives, &node.centres)
+    }
+}
+
 /// Grows a tree over primitives, whose order changes.
-pub(crate) fn grow(primitives: &mut [Extent], search: Search, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
+pub(crate) fn grow<C: Chooser>(
+    primitives: &mut [Extent],
+    search: Search,
+    chooser: &C,
+    watch: &Watch<'_>,
+) -> Result<Vec<BinaryNode>> {
     let (extent, centres) = search.measure(primitives);
-    Grower { search, watch }.grow(primitives, 0, Todo { extent, centres, depth: 0 })
+    let rays = chooser.root(&extent);
+    Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })
 }
 
 /// What stays the same for all nodes.
-struct Grower<'a> {
+struct Grower<'a, C> {
     search: Search,
+    chooser: &'a C,
     watch: &'a Watch<'a>,
 }
 
 /// A node to be built.
-struct Todo {
-    extent: Extent,
-    centres: Centres,
-    depth: u32,
+pub(crate) struct Node<R> {
+    pub(crate) extent: Extent,
+    pub(crate) centres: Centres,
+    pub(crate) depth: u32,
+    pub(crate) rays: R,
 }
 
-impl Grower<'_> {
+impl<C: Chooser> Grower<'_, C> {
     /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
-    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Todo) -> Result<Vec<BinaryNode>> {
+    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Vec<BinaryNode>> {
         let n = primitives.len();
         if n <= OWN_ABOVE {
             let mut nodes = Vec::new();
@@ -109,7 +147,13 @@ impl Grower<'_> {
     }
 
     /// Small subtrees: one thread, one list.
-    fn grow_in(&self, nodes: &mut Vec<BinaryNode>, primitives: &mut [Extent], first: usize, todo: Todo) -> Result<()> {
+    fn grow_in(
+        &self,
+        nodes: &mut Vec<BinaryNode>,
+        primitives: &mut [Extent],
+        first: usize,
+        todo: Node<C::Rays>,
+    ) -> Result<()> {
         let n = primitives.len();
         if n <= self.search.leaf {
             self.watch.report(n);
@@ -133,33 +177,36 @@ impl Grower<'_> {
     }
 
     /// Parts a node's primitives: how many are on the left, and what both sides are to become.
-    fn part(&self, primitives: &mut [Extent], todo: &Todo) -> (usize, [Todo; 2]) {
+    fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
         let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        let split = if todo.depth + halvings < DEEPEST { self.search.best(primitives, &todo.centres) } else { None };
+        let split =
+            if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
         match split {
-            Some(split) => self.part_at(primitives, &split, todo.depth + 1),
-            None => self.part_in_the_middle(primitives, todo.depth + 1),
+            Some(split) => self.part_at(primitives, &split, todo),
+            None => self.part_in_the_middle(primitives, todo),
         }
     }
 
-    fn part_at(&self, primitives: &mut [Extent], split: &Split, depth: u32) -> (usize, [Todo; 2]) {
-        let (left, [centres_left, centres_right]) = self.search.part(primitives, split);
-        let children = [
-            Todo { extent: split.left, centres: centres_left, depth },
-            Todo { extent: split.right, centres: centres_right, depth },
-        ];
-        (left, children)
+    fn part_at(&self, primitives: &mut [Extent], split: &Split, todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
+        let (left, centres) = self.search.part(primitives, split);
+        let [low, high] = centres;
+        (left, [self.child(todo, split.left, low), self.child(todo, split.right, high)])
     }
 
     /// Whole blocks on the left.
-    fn part_in_the_middle(&self, primitives: &mut [Extent], depth: u32) -> (usize, [Todo; 2]) {
+    fn part_in_the_middle(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         let left = (primitives.len() / 2).next_multiple_of(self.search.leaf).min(primitives.len() - 1);
         let side = |primitives: &[Extent]| {
             let (extent, centres) = self.search.measure(primitives);
-            Todo { extent, centres, depth }
+            self.child(todo, extent, centres)
         };
         (left, [side(&primitives[..left]), side(&primitives[left..])])
+    }
+
+    fn child(&self, todo: &Node<C::Rays>, extent: Extent, centres: Centres) -> Node<C::Rays> {
+        let rays = self.chooser.descend(&todo.rays, &extent);
+        Node { extent, centres, depth: todo.depth + 1, rays }
     }
 }
 

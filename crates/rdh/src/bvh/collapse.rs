@@ -26,6 +26,8 @@ pub(crate) struct Costs {
 /// The way to cut a binary tree into wide nodes of up to `W` children.
 pub(crate) struct Cuts<const W: usize> {
     cuts: Vec<Cut<W>>,
+    /// What each subtree costs as one root.
+    costs: Vec<f32>,
 }
 
 /// How a subtree is cut, for each number of roots.
@@ -74,7 +76,10 @@ impl<const W: usize> Cuts<W> {
             }
             (forests[i], cuts[i]) = (forest, Cut { left, leaf });
         }
-        Ok(Self { cuts })
+        let mut costs = Vec::new();
+        reserve(&mut costs, nodes.len(), "cuts")?;
+        costs.extend(forests.iter().map(|forest| forest[0]));
+        Ok(Self { cuts, costs })
     }
 
     /// The binary nodes that become the children of a wide node made of `node`, in order.
@@ -98,6 +103,11 @@ impl<const W: usize> Cuts<W> {
             waiting += 2;
         }
         (children, n)
+    }
+
+    /// What a subtree is expected to cost a ray that meets the root, if it hangs there as one child.
+    pub(crate) fn cost(&self, node: usize) -> f32 {
+        self.costs[node]
     }
 
     /// Whether a node that stays whole becomes a leaf.

@@ -8,6 +8,7 @@ mod check;
 mod chop;
 mod collapse;
 mod extent;
+mod guided;
 mod layout;
 mod link;
 mod reinsert;
@@ -15,23 +16,27 @@ mod spatial;
 mod spec;
 mod split;
 mod trace;
+mod visits;
 
 pub use layout::Tally;
 pub use spec::{BvhSpec, Effort, Width};
 
 use std::sync::Arc;
 
-use binary::BinaryNode;
+use binary::{BinaryNode, ByArea};
 use collapse::{Costs, Cuts};
 use extent::Extent;
+use guided::ByRays;
 use layout::Arrays;
 use link::Link;
 use spatial::Grown;
 use split::Search;
+use visits::Visits;
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
+use crate::heuristic::Rdh;
 use crate::leaf;
 use crate::mem::reserve;
 use crate::mesh::Mesh;
@@ -57,11 +62,11 @@ pub struct Bvh<const W: usize> {
 const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 
 impl<const W: usize> Bvh<W> {
-    /// Builds a hierarchy over a mesh. O(N log N).
+    /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
     ///
     /// # Errors
     /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
-    pub fn build(mesh: &Mesh, spec: &BvhSpec, options: &BuildOptions<'_>) -> Result<Self> {
+    pub fn build(mesh: &Mesh, spec: &BvhSpec, guide: Option<&Rdh>, options: &BuildOptions<'_>) -> Result<Self> {
         if let Some(limit) = options.max_refs.filter(|&limit| limit < mesh.len()) {
             return Err(Error::OverBudget { what: "references", limit });
         }
@@ -86,21 +91,32 @@ impl<const W: usize> Bvh<W> {
             let clipper = TriangleClipper { mesh, scale: scale.factor() };
             spatial::grow(primitives, &clipper, search, most - mesh.len(), &watch)?
         } else {
-            let nodes = binary::grow(&mut primitives, search, &watch)?;
+            let nodes = match guide {
+                Some(rdh) => binary::grow(&mut primitives, search, &ByRays(rdh), &watch)?,
+                _ => binary::grow(&mut primitives, search, &ByArea, &watch)?,
+            };
             Grown { nodes, ids: ids(&primitives)? }
         };
         let nodes = match spec.effort {
             Effort::High => reinsert::reinsert(nodes, parallel, &watch)?,
             _ => nodes,
         };
-        let area = |i: usize| nodes[i].0.half_area();
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, area)?;
+        let weights = match guide {
+            Some(rdh) => Visits::measure(&nodes, rdh)?,
+            None => Visits::by_area(&nodes)?,
+        };
+        watch.check_cancelled()?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
         watch.check_cancelled()?;
         let counts = counts(&nodes)?;
-        // Any-hit rays take the children in this order. A large child that holds little is soon done with; among objects left whole
-        // the large ones, which occlude much, have much in them.
-        let likely = |i: usize| if spec.spatial { area(i) / counts[i] as f32 } else { area(i) };
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, likely, |id| mesh.corners(TriId(id)))?;
+        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
+        // cost; but where spatial splits made them, a large child that holds little is soon done with.
+        let first = |i: usize| match guide {
+            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
+            None if spec.spatial => weights.stops[i] / counts[i] as f32,
+            None => weights.stops[i],
+        };
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)))?;
         let Arrays { nodes, blocks, tally } = arrays;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
@@ -191,6 +207,10 @@ fn counts(nodes: &[BinaryNode]) -> Result<Vec<u32>> {
     }
     Ok(counts)
 }
+
+/// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
+/// choices need no more.
+pub(crate) const RAYS_COUNTED: u32 = 256;
 
 /// Spatial splits may add one reference to so many.
 const SPARE: usize = 2;

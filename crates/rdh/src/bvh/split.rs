@@ -97,6 +97,36 @@ impl Bins {
     }
 }
 
+/// The boxes on both sides of the planes across an axis: `lows` grow from one to the next, `highs` shrink. Some of the first lows
+/// and of the last highs may be empty.
+pub(crate) struct Sides<'a> {
+    pub(crate) lows: &'a [Extent],
+    pub(crate) highs: &'a [Extent],
+}
+
+/// Boxes and numbers of all bins up to each one, in an order.
+fn running(
+    boxes: &[Extent],
+    counts: &[u32],
+    order: impl Iterator<Item = usize>,
+) -> ([Extent; MAX_BINS], [u32; MAX_BINS]) {
+    let (mut unions, mut sums) = ([Extent::EMPTY; MAX_BINS], [0; MAX_BINS]);
+    let (mut union, mut sum) = (Extent::EMPTY, 0);
+    for bin in order {
+        union.grow::<Portable>(&boxes[bin]);
+        sum += counts[bin];
+        (unions[bin], sums[bin]) = (union, sum);
+    }
+    (unions, sums)
+}
+
+/// What a subtree of `n` primitives is taken to cost a ray that visits it. A tree costs less than its tests: the more it holds, the
+/// more of it is missed. n^¾ by square roots, which are rounded alike everywhere.
+fn subtree(n: u32) -> f32 {
+    let root = tests(n).sqrt();
+    root * root.sqrt()
+}
+
 /// What the tests of `n` primitives count in the cost of a split.
 #[inline(always)]
 pub(crate) fn tests(n: u32) -> f32 {
@@ -130,6 +160,35 @@ impl Search {
         // Minima and sums of integers: any order gives the same.
         let bins = chunks.reduce(|| Box::new(Bins::EMPTY), |a, b| Box::new(a.merge(&b)));
         self.level.run(Choose { bins: &bins, grid })
+    }
+
+    /// The cheapest split where the chances that a ray in the node visits what lies on each side come from `chances`: of the boxes of
+    /// bins up to each one, which grow, and of those after it, which shrink. O(n).
+    pub(crate) fn best_by(
+        &self,
+        primitives: &[Extent],
+        centres: &Centres,
+        mut chances: impl FnMut(&Sides<'_>, &mut [f32], &mut [f32]),
+    ) -> Option<Split> {
+        let grid = Grid::over(centres, primitives.len(), self.bins)?;
+        let bins = self.level.run(Fill { primitives, grid });
+        let last = grid.last as usize;
+        let (mut best_cost, mut best) = (f32::INFINITY, None);
+        for axis in (0..3).filter(|&a| grid.scale[a] != 0.0) {
+            let (lows, low_counts) = running(&bins.boxes[axis][..last], &bins.counts[axis][..last], 0..last);
+            let (highs, high_counts) =
+                running(&bins.boxes[axis][1..=last], &bins.counts[axis][1..=last], (0..last).rev());
+            let (mut left, mut right) = ([0.0; MAX_BINS], [0.0; MAX_BINS]);
+            chances(&Sides { lows: &lows[..last], highs: &highs[..last] }, &mut left[..last], &mut right[..last]);
+            for bin in (0..last).filter(|&bin| low_counts[bin] > 0 && high_counts[bin] > 0) {
+                let cost = left[bin] * subtree(low_counts[bin]) + right[bin] * subtree(high_counts[bin]);
+                if cost < best_cost {
+                    let split = Split { grid, axis, bin: bin as i32, left: lows[bin], right: highs[bin], cost };
+                    (best_cost, best) = (cost, Some(split));
+                }
+            }
+        }
+        best
     }
 
     /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place.

@@ -9,7 +9,7 @@
 
 use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span};
 use crate::geom::{Aabb, Axis, Vec3};
-use crate::rays::Training;
+use crate::rays::{Query, Training};
 use crate::simd::{Job, Kernels, Level};
 
 /// The ray distribution heuristic over one training set.
@@ -31,9 +31,14 @@ struct Line {
     t_start: f32,
     t_end: f32,
     weight: f32,
+    /// Whether it only asked if something is in its way, and ended because something was.
+    stopped: bool,
 }
 
 impl Rdh {
+    /// Rays counted in a node of a kd-tree, unless the spec says otherwise.
+    pub const CAP: u32 = 4096;
+
     /// Takes the rays into the space of a structure whose coordinates are multiplied by `scale`. Invalid rays are left out.
     pub fn new(spec: &RdhSpec, rays: &Training, scale: f32) -> Self {
         let usable = rays.samples().iter().filter(|s| s.ray.is_valid());
@@ -52,15 +57,61 @@ impl Rdh {
                 t_start: (f64::from(s.ray.t_min) * units) as f32,
                 t_end: (f64::from(t_end) * units) as f32,
                 weight: s.weight as f32,
+                stopped: s.query == Query::Occluded && s.t_hit.is_some_and(|t| t <= t_end),
             }
         });
-        Self { lines: lines.collect(), blend: spec.blend, cap: spec.cap as usize, level: Level::best() }
+        Self {
+            lines: lines.collect(),
+            blend: spec.blend,
+            cap: spec.cap.unwrap_or(Self::CAP) as usize,
+            level: Level::best(),
+        }
     }
 
     /// The rays that are counted in a node: all, or the first few, which are a random sub-sample.
     fn counted<'a>(&self, rays: &'a NodeRays) -> &'a [Span] {
         let n = rays.spans.len();
         &rays.spans[..if self.cap == 0 { n } else { n.min(self.cap) }]
+    }
+
+    /// The weight of a node's rays, and of those among them that were stopped there: a query for any hit found its nearest one in
+    /// the node. Whole rays are stopped nowhere.
+    pub(crate) fn weigh_node(&self, rays: &NodeRays) -> (f32, f32) {
+        let (mut all, mut stopped) = (0.0, 0.0);
+        for span in &rays.spans {
+            let line = &self.lines[span.ray as usize];
+            all += line.weight;
+            // A hit in a face of the node may lie outside by rounding.
+            if line.stopped && span.t_out >= line.t_end * (1.0 - 1e-5) {
+                stopped += line.weight;
+            }
+        }
+        (all, stopped)
+    }
+
+    /// The chances that a ray in a node visits each of some boxes in it, of which each holds the one before; `chances` comes with those
+    /// by area. A ray that meets a box meets all later ones, so the first one is sought. O(R log B + B).
+    pub(crate) fn weigh_nested(&self, rays: &NodeRays, boxes: &[Aabb], chances: &mut [f32]) {
+        let mut starts = vec![0.0; boxes.len() + 1];
+        let mut all = 0.0;
+        for &span in self.counted(rays) {
+            let weight = self.lines[span.ray as usize].weight;
+            all += weight;
+            starts[boxes.partition_point(|b| self.clip(span, b).is_none())] += weight;
+        }
+        let mut sum = 0.0;
+        for (chance, start) in chances.iter_mut().zip(starts) {
+            sum += start;
+            *chance = self.chance(sum, all, *chance);
+        }
+    }
+
+    /// The chance that a ray in a node visits a child: `part` of `all` rays do, of the node's area the child has `area`.
+    pub(crate) fn chance(&self, part: f32, all: f32, area: f32) -> f32 {
+        match self.blend.weight(all) {
+            0.0 => area,
+            weight => weight * (part / all) + (1.0 - weight) * area,
+        }
     }
 
     /// The part of a span that lies in a box; widened by an ulp or two, so that a ray in a face is in both boxes.

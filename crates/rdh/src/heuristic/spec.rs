@@ -20,7 +20,8 @@ pub struct RdhSpec {
     /// How ray counts and areas are mixed.
     pub blend: Blend,
     /// Counts at most so many rays in a node (a random sub-sample); 0 counts all.
-    pub cap: u32,
+    /// `None` is what suits the structure: 4,096 in a kd-tree, 256 in a BVH, whose nodes hold more.
+    pub cap: Option<u32>,
 }
 
 /// How much of a sampled ray counts.
@@ -57,11 +58,11 @@ impl HeuristicSpec {
 
 impl RdhSpec {
     /// The paper's: whole rays, no cap, its blend.
-    pub const PAPER: Self = Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: 0 };
+    pub const PAPER: Self = Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: Some(0) };
 }
 
 impl Default for RdhSpec {
     fn default() -> Self {
-        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: 4096 }
+        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: None }
     }
 }

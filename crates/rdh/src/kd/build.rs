@@ -41,6 +41,8 @@ struct Todo {
     /// The box of its references.
     tight: Aabb,
     rays: NodeRays,
+    /// The chance that a ray which meets the tree's box visits it.
+    chance: f32,
     depth: u32,
     failures: Failures,
     /// How many references its leaves may have.
@@ -72,7 +74,7 @@ impl<'a> Builder<'a> {
             heuristic,
             spec,
             costs: Costs::of(spec.leaf),
-            stop: StopRule::new(spec.stop, n, options.max_depth),
+            stop: StopRule::new(&spec, n, options.max_depth),
             watch: Watch::new(options, n),
             parallel: options.threads != Some(1),
         }
@@ -81,8 +83,15 @@ impl<'a> Builder<'a> {
     /// Builds the tree over some references; the root is the last node. `max_refs` is kept.
     pub(crate) fn build(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches> {
         let rays = self.heuristic.root(&cell);
-        let todo =
-            Todo { tight: bounds_of(&refs), cell, rays, depth: 0, failures: 0, budget: max_refs.max(refs.len()) };
+        let todo = Todo {
+            tight: bounds_of(&refs),
+            cell,
+            rays,
+            chance: 1.0,
+            depth: 0,
+            failures: 0,
+            budget: max_refs.max(refs.len()),
+        };
         Ok(self.grow(refs, todo)?.0)
     }
 
@@ -148,6 +157,9 @@ impl<'a> Builder<'a> {
         if refs.len() <= 1 && self.costs.leaf(refs.len()) <= self.costs.traverse || todo.depth >= self.stop.max_depth {
             return None;
         }
+        if self.stop.is_idle(&self.costs, refs.len(), todo.chance) {
+            return None;
+        }
         let split = search.best(refs, &todo.cell, &todo.tight, &todo.rays)?;
         let failures = self.stop.go_on(&self.costs, refs.len(), split.cost, todo.failures)?;
         // Twice the references is the most that a split can need.
@@ -168,15 +180,20 @@ impl<'a> Builder<'a> {
         let spare = todo.budget.saturating_sub(left.len() + right.len());
         // What is left of the budget goes where the references are; in integers, so that it never depends on threads.
         let spare_left = (spare as u128 * left.len() as u128 / (left.len() + right.len()).max(1) as u128) as usize;
-        let child = |refs: &[Reference], cell: Aabb, budget: usize| Todo {
+        let child = |refs: &[Reference], cell: Aabb, chance: f32, budget: usize| Todo {
             rays: self.heuristic.descend(&todo.rays, &cell),
             tight: bounds_of(refs),
             cell,
+            chance: todo.chance * chance,
             depth: todo.depth + 1,
             failures,
             budget,
         };
-        [child(left, cell_left, left.len() + spare_left), child(right, cell_right, right.len() + spare - spare_left)]
+        let SplitProbability { left: p, right: q } = split.chance;
+        [
+            child(left, cell_left, p, left.len() + spare_left),
+            child(right, cell_right, q, right.len() + spare - spare_left),
+        ]
     }
 
     fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {

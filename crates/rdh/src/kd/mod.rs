@@ -16,12 +16,14 @@ mod spec;
 mod split;
 mod stop;
 mod trace;
+mod walk;
 
 pub use cost::Costs;
 pub use layout::Tally;
 pub use node::{Node, NodeKind};
 pub use reference::Reference;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
+pub use walk::Shown;
 
 use std::sync::Arc;
 
@@ -141,28 +143,6 @@ impl KdTree {
         hash.update(bytemuck::cast_slice(&self.lines));
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
-    }
-
-    /// Visits all leaves, left to right: cell, depth, triangles.
-    pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, &[u32])) {
-        let back = 1.0 / self.scale.factor();
-        let mut ids = Vec::new();
-        let mut todo = vec![(self.root, self.bounds, 0)];
-        while let Some((node, cell, depth)) = todo.pop() {
-            match node.kind() {
-                NodeKind::Interior { axis, split, pair } => {
-                    let (left, right) = cell.split(axis, split);
-                    let [l, r] = self.pairs()[pair as usize];
-                    todo.extend([(r, right, depth + 1), (l, left, depth + 1)]);
-                }
-                NodeKind::Leaf { block, lane, count } => {
-                    ids.clear();
-                    let lanes = self.blocks[block as usize..].iter().flat_map(|b| b.ids);
-                    ids.extend(lanes.skip(lane as usize).take(count as usize));
-                    visit(Aabb { min: cell.min.map(|x| x * back), max: cell.max.map(|x| x * back) }, depth, &ids);
-                }
-            }
-        }
     }
 }
 

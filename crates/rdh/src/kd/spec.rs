@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a kd-tree.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct KdSpec {
     /// What a leaf's cost counts.
     pub leaf: LeafWidth,
@@ -13,6 +13,9 @@ pub struct KdSpec {
     pub prune: Prune,
     /// When a node is not split further.
     pub stop: Stop,
+    /// A node of a few triangles in which a cast ray is expected to spend less than this (in units of a step, all cast
+    /// rays together) stays a leaf; 0 splits it all the same. With a ray heuristic that is where no rays are traced.
+    pub idle: f32,
 }
 
 /// What a leaf's cost counts.

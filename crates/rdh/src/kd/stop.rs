@@ -1,7 +1,7 @@
 //! When a node is not split further.
 
 use super::cost::Costs;
-use super::spec::Stop;
+use super::spec::{KdSpec, Stop};
 
 /// The rule, with what it needs to know of the whole tree.
 #[derive(Debug, Clone, Copy)]
@@ -11,6 +11,8 @@ pub(crate) struct StopRule {
     pub(crate) max_depth: u32,
     /// So many failed splits on the way down are borne.
     max_failures: u32,
+    /// Nodes that cost a cast ray less are not worth their splits.
+    idle: f32,
 }
 
 /// How many splits above a node did not pay.
@@ -20,10 +22,13 @@ impl StopRule {
     /// The deepest tree that traversal's stack can hold.
     pub(crate) const DEEPEST: u32 = 64;
 
+    /// Idle nodes of more triangles are split all the same, so that a ray that comes after all pays a bounded price.
+    const IDLE_UP_TO: usize = 48;
+
     /// The rule for `n` triangles.
-    pub(crate) fn new(stop: Stop, n: usize, max_depth: Option<usize>) -> Self {
+    pub(crate) fn new(spec: &KdSpec, n: usize, max_depth: Option<usize>) -> Self {
         let log2 = |x: usize| f64::from(x.max(1).ilog2());
-        let (default_depth, max_failures) = match stop {
+        let (default_depth, max_failures) = match spec.stop {
             Stop::Cost => (8.0 + 1.3 * log2(n), 0),
             Stop::Auto => (8.0 + 1.3 * log2(n), 1),
             Stop::Paper => {
@@ -32,7 +37,13 @@ impl StopRule {
             }
         };
         let max_depth = max_depth.map_or(default_depth as u32, |d| d.min(64) as u32).min(Self::DEEPEST);
-        Self { stop, max_depth, max_failures }
+        Self { stop: spec.stop, max_depth, max_failures, idle: spec.idle }
+    }
+
+    /// Whether a node of `n` triangles, which a cast ray visits with some chance, is left as it is because nothing in it
+    /// could save enough.
+    pub(crate) fn is_idle(&self, costs: &Costs, n: usize, chance: f32) -> bool {
+        n <= Self::IDLE_UP_TO && chance * costs.leaf(n) < self.idle
     }
 
     /// Whether a node of `n` triangles whose best split costs `split` is split all the same; with the failures its

@@ -20,6 +20,7 @@ pub const SPECS: &[&str] = &[
     "kd(split=exact)+rdh(prior=0)",
     "kd(leaf=1)+rdh(rays=whole,cap=100)",
     "kd(prune=visits)+rdh(prior=2)",
+    "kd(idle=0.001)+rdh",
     "bvh2+sah",
     "bvh4+sah",
     "bvh8+sah",
@@ -28,6 +29,9 @@ pub const SPECS: &[&str] = &[
     "sbvh8+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
+    "bvh8+rdh",
+    "bvh2+rdh(prior=0)",
+    "sbvh8(high)+rdh(rays=whole)",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

@@ -36,6 +36,7 @@ fn plan(args: &CompareArgs, context: &Context) -> Result<Plan> {
         targets: args.names.iter().map(|name| shelf.find(name)).collect::<Result<_>>()?,
         modes: args.mode.clone(),
         protocol: args.protocol,
+        rrs: args.rrs.clone(),
         seed: context.seed,
         threads: context.threads,
         ..Plan::default()

@@ -1,10 +1,9 @@
 //! The tables that `rdh compare` prints.
 
-use clap::builder::styling::Style;
-use rdh::RayClass;
-use rdh_study::{Document, Plan, Row, Summary};
+use rdh_study::{Document, Plan, Row};
 
 use crate::context::Styles;
+use crate::summary::{ratio_cell, summary_text};
 use crate::table::{Cell, Table};
 
 /// The rows, the summary, and what they are.
@@ -12,7 +11,11 @@ pub(super) fn text(document: &Document, plan: &Plan, styles: &Styles) -> String 
     if document.rows.is_empty() {
         return "nothing was measured\n".to_owned();
     }
-    let parts = [rows_text(&document.rows, styles), summary_text(&document.summary, styles), explanation(plan)];
+    let parts = [
+        rows_text(&document.rows, styles),
+        summary_text(&document.summary.iter().collect::<Vec<_>>(), styles),
+        explanation(plan),
+    ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
@@ -76,47 +79,6 @@ fn class_name(row: &Row) -> String {
     if mode == class { class.to_owned() } else { format!("{mode} {class}") }
 }
 
-fn summary_text(summary: &[Summary], styles: &Styles) -> String {
-    let Some(first) = summary.first() else { return String::new() };
-    let base = first.base.to_string();
-    let against = format!("spec / {base}");
-    let mut table = Table::new(&[
-        &against,
-        "rays of",
-        ">pairs",
-        ">steps",
-        ">tests",
-        ">time",
-        "95 % interval",
-        ">build",
-        ">+rays",
-        ">bytes",
-        ">slower",
-    ]);
-    for s in summary {
-        let [low, high] = s.time_ratio_ci95;
-        let class = s.class.map_or("all", RayClass::name);
-        let class = if s.mode.name() == class { class.to_owned() } else { format!("{} {class}", s.mode) };
-        let mut row: Vec<Cell> = vec![s.spec.to_string().into(), class.into(), s.n.to_string().into()];
-        row.extend([s.steps_ratio, s.tests_ratio, s.time_ratio].map(|ratio| ratio_cell(ratio, styles)));
-        row.push(format!("{low:.3} to {high:.3}").into());
-        row.extend([s.build_ratio, s.build_and_rrs_ratio, s.bytes_ratio].map(|r| Cell::from(format!("{r:.2}"))));
-        row.push(s.slower_cases.to_string().into());
-        table.push(row);
-    }
-    table.text(styles.head)
-}
-
-/// A ratio to the base, green if it is better and red if it is worse, by more than 1 %.
-fn ratio_cell(ratio: f64, styles: &Styles) -> Cell {
-    let style = match ratio {
-        r if r < 0.99 => styles.better,
-        r if r > 1.01 => styles.worse,
-        _ => Style::new(),
-    };
-    Cell::styled(format!("{ratio:.3}"), style)
-}
-
 fn explanation(plan: &Plan) -> String {
     format!(
         "Ratios are to the first spec; below 1 is better; in the summary geometric means over pairs of the same rays.\n\
@@ -124,20 +86,4 @@ fn explanation(plan: &Plan) -> String {
          {} x {} rays a view, at most {} training rays ({}), seed {}.\n",
         plan.size[0], plan.size[1], plan.training, plan.protocol, plan.seed
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn better_is_green_worse_is_red_and_equal_is_plain() {
-        let styles = Styles { better: Style::new().bold(), worse: Style::new().italic(), ..Styles::default() };
-        let mut table = Table::new(&["a", "b", "c"]);
-        table.push([0.5, 1.5, 1.0].map(|r| ratio_cell(r, &styles)).into());
-        let text = table.text(Style::new());
-        assert!(text.contains(&format!("{}0.500", Style::new().bold().render())), "{text:?}");
-        assert!(text.contains(&format!("{}1.500", Style::new().italic().render())), "{text:?}");
-        assert!(text.contains("  1.000\n"), "{text:?}");
-    }
 }

@@ -11,9 +11,10 @@ use crate::picture::{Canvas, Channel, ColourBar, ColourScale, Item, Panel, Rgb, 
 use crate::staged::Staged;
 
 /// The costs of a picture's pixels by one structure.
-struct Map {
-    name: String,
-    values: Vec<f64>,
+pub(super) struct Map {
+    pub(super) name: String,
+    /// Row by row from the top.
+    pub(super) values: Vec<f64>,
 }
 
 /// Draws the maps side by side, and with [`Heat::Diff`] the differences to the first.
@@ -31,7 +32,7 @@ pub(super) fn draw(request: &Request, heat: Heat, staged: &Staged, built: &[Buil
     Picture { canvas, channels, channel_width: width }
 }
 
-fn map(request: &Request, heat: Heat, staged: &Staged, built: &Built) -> Map {
+pub(super) fn map(request: &Request, heat: Heat, staged: &Staged, built: &Built) -> Map {
     let counts = pixel_counts(request, staged, &built.accel);
     let value = |c: &Counts| if heat == Heat::Tests { c.tests } else { c.steps() } as f64;
     Map { name: built.spec.to_string(), values: counts.iter().map(value).collect() }
@@ -48,7 +49,8 @@ fn pixel_counts(request: &Request, staged: &Staged, accel: &Accel) -> Vec<Counts
     (0..width * height).into_par_iter().map(counts).collect()
 }
 
-fn differences(maps: &[Map]) -> Vec<Map> {
+/// What every map but the first differs from it.
+pub(super) fn differences(maps: &[Map]) -> Vec<Map> {
     let [base, others @ ..] = maps else { return Vec::new() };
     let difference = |m: &Map| Map {
         name: format!("{} - {}", m.name, base.name),
@@ -78,7 +80,7 @@ fn panel(map: &Map, width: usize, scale: &ColourScale) -> Panel {
 }
 
 /// A round number that all but one in 200 of the values reach at most: a few extreme pixels would hide all others.
-fn common_end(maps: &[Map]) -> f64 {
+pub(super) fn common_end(maps: &[Map]) -> f64 {
     let mut sizes: Vec<f64> = maps.iter().flat_map(|m| &m.values).map(|x| x.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     round_up(sizes.get(sizes.len() * 199 / 200).copied().unwrap_or(1.0).max(1.0))

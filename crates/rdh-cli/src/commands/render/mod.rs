@@ -3,6 +3,7 @@
 mod heat;
 mod shade;
 mod slice;
+mod thumbs;
 
 use std::path::Path;
 
@@ -18,6 +19,8 @@ use crate::output::{print, print_json, write_file};
 use crate::pick::Shelf;
 use crate::picture::{Canvas, Channel, exr_bytes, png_bytes};
 use crate::staged::Staged;
+
+pub(crate) use thumbs::{Thumbnail, thumbnails};
 
 /// What is to be drawn, and from what.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ mod near;
 mod section;
 
 use anyhow::Result;
-use rdh::{Accel, Training};
+use rdh::{Accel, Spec, Training};
 
 use self::chart::Chart;
 use self::near::{NearRay, rays_near};
@@ -34,6 +34,14 @@ struct Plane {
     near: f64,
 }
 
+/// One structure's part of a slice.
+pub(super) struct Sliced {
+    pub(super) spec: Spec,
+    /// How many cells are cut.
+    pub(super) note: String,
+    pub(super) canvas: Canvas,
+}
+
 /// Draws one panel a structure, all with the same surfaces and rays.
 pub(super) fn draw(
     request: &Request,
@@ -42,20 +50,46 @@ pub(super) fn draw(
     built: &[Built],
     training: &Training,
 ) -> Result<Picture> {
+    let (panels, scale, rays) = drawn(request, slice, staged, built, training)?;
+    let panel = |s: Sliced| Item::Panel(Panel { title: s.spec.to_string(), note: s.note, picture: s.canvas });
+    let mut items: Vec<Item> = panels.into_iter().map(panel).collect();
+    items.push(Item::Bar(ColourBar { scale, label: "triangles".to_owned() }));
+    let plane = Plane::new(slice, staged)?;
+    let canvas = draw_figure(&title(request, slice, staged, &plane, rays), &items);
+    Ok(Picture { canvas, channels: Vec::new(), channel_width: 0 })
+}
+
+/// A slice through each structure, with a line about it.
+pub(super) fn panels(
+    request: &Request,
+    slice: Slice,
+    staged: &Staged,
+    built: &[Built],
+    training: &Training,
+) -> Result<Vec<Sliced>> {
+    Ok(drawn(request, slice, staged, built, training)?.0)
+}
+
+/// The slices, the scale of their cells, and how many rays are in each.
+fn drawn(
+    request: &Request,
+    slice: Slice,
+    staged: &Staged,
+    built: &[Built],
+    training: &Training,
+) -> Result<(Vec<Sliced>, ColourScale, usize)> {
     let plane = Plane::new(slice, staged)?;
     let part = request.part_of(staged, plane.axis);
     let chart = Chart::new(&part, plane.axis, request.size);
     let rays = rays_near(training.samples(), &plane, &part, MOST_RAYS);
     let cells: Vec<_> = built.iter().map(|b| cut_cells(&b.accel, &plane)).collect();
     let scale = ColourScale::pale(common_end(&cells));
-    let panel = |(b, cells): (&Built, &Vec<CutCell>)| {
-        let picture = draw_panel(staged, &plane, &chart, cells, &rays, &scale);
-        Item::Panel(Panel { title: b.spec.to_string(), note: note(cells, &b.accel), picture })
+    let panel = |(b, cells): (&Built, &Vec<CutCell>)| Sliced {
+        spec: b.spec,
+        note: note(cells, &b.accel),
+        canvas: draw_panel(staged, &plane, &chart, cells, &rays, &scale),
     };
-    let mut items: Vec<Item> = built.iter().zip(&cells).map(panel).collect();
-    items.push(Item::Bar(ColourBar { scale, label: "triangles".to_owned() }));
-    let canvas = draw_figure(&title(request, slice, staged, &plane, rays.len()), &items);
-    Ok(Picture { canvas, channels: Vec::new(), channel_width: 0 })
+    Ok((built.iter().zip(&cells).map(panel).collect(), scale, rays.len()))
 }
 
 impl Plane {

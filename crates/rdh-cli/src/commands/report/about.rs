@@ -1,0 +1,116 @@
+//! What a page says of its figures' origin: machine, date, commands, settings.
+
+use std::fs;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use rdh_scene::Entry;
+use rdh_study::report::About;
+use rdh_study::study::{EXPERIMENTS, Merged, StudyPlan};
+use rdh_study::{Mode, Plan};
+
+use crate::args::ReportArgs;
+
+/// Everything but the pictures.
+pub(super) fn about(args: &ReportArgs, merged: &Merged, embedded: &[Entry]) -> About {
+    let plan = &merged.plan;
+    About {
+        date: SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .map_or_else(|_| String::new(), |t| date(t.as_secs() / 86_400)),
+        version: plan.program.clone(),
+        machine: args.machine.clone().unwrap_or_else(machine),
+        commands: vec![study_command(plan, embedded), "rdh report study".to_owned()],
+        settings: settings(plan),
+        missing: merged.missing.len(),
+        pictures: Vec::new(),
+    }
+}
+
+/// The command that makes the study again; what is usual is left out.
+fn study_command(plan: &StudyPlan, embedded: &[Entry]) -> String {
+    let [width, height] = plan.size;
+    let usual = if plan.quick { ([128, 128], 4_096) } else { ([256, 256], Plan::default().training) };
+    let modes = plan.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
+    let parts = [
+        (true, scene_arguments(plan, embedded)),
+        (plan.quick, " --quick".to_owned()),
+        (plan.experiments.len() < EXPERIMENTS.len(), format!(" --experiment {}", plan.experiments.join(","))),
+        (plan.modes.len() < Mode::ALL.len(), format!(" --mode {modes}")),
+        (plan.size != usual.0, format!(" --size {width}x{height}")),
+        (plan.training != usual.1, format!(" --training {}", plan.training)),
+        (plan.rounds[0] != Plan::default().rounds, format!(" --rounds {}", plan.rounds[0])),
+        (true, format!(" --seed {} --out study", plan.seed)),
+    ];
+    "rdh study".to_owned() + &parts.into_iter().filter(|p| p.0).map(|p| p.1).collect::<String>()
+}
+
+/// Nothing for all embedded scenes, a folder if others are there too, else their names.
+fn scene_arguments(plan: &StudyPlan, embedded: &[Entry]) -> String {
+    let has = |id: &str| plan.scenes.iter().any(|(scene, _)| scene == id);
+    match (embedded.iter().all(|e| has(&e.id)), plan.scenes.len() > embedded.len()) {
+        (true, false) => String::new(),
+        (true, true) => " --scenes DIR".to_owned(),
+        (false, _) => plan.scenes.iter().map(|(id, _)| format!(" {id}")).collect(),
+    }
+}
+
+fn settings(plan: &StudyPlan) -> Vec<(String, String)> {
+    let [width, height] = plan.size;
+    let [large, small] = plan.rounds;
+    let rounds = if large == small { large.to_string() } else { format!("{large}, {small} in small scenes") };
+    let modes = plan.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+    let facts = [
+        ("Film", format!("{width} × {height} test rays a view and mode")),
+        ("Training rays a view", plan.training.to_string()),
+        ("Timing rounds", rounds),
+        ("Experiments", plan.experiments.join(", ")),
+        ("Rays", modes),
+    ];
+    facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// This machine in words, as far as the system tells.
+fn machine() -> String {
+    let cpu = fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| model(&text));
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    let cores = if cores > 0 { format!("{cores} threads, ") } else { String::new() };
+    format!("{}, {cores}{system}", cpu.unwrap_or_else(|| "unknown processor".to_owned()))
+}
+
+fn model(cpuinfo: &str) -> Option<String> {
+    let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The date, from the days since 1970-01-01, by the Gregorian calendar: years begin in March, so that leap days come last.
+fn date(days: u64) -> String {
+    let days = days + 719_468;
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_dates() {
+        let dates = [0, 59, 60, 11_016, 11_017, 19_782, 20_454].map(date);
+        let expected =
+            ["1970-01-01", "1970-03-01", "1970-03-02", "2000-02-29", "2000-03-01", "2024-02-29", "2026-01-01"];
+        assert_eq!(dates, expected);
+    }
+
+    #[test]
+    fn the_processor_is_named() {
+        assert_eq!(model("flags : a\nmodel name\t: Fast CPU @ 2 GHz\n"), Some("Fast CPU @ 2 GHz".to_owned()));
+        assert_eq!(model("Hardware : board"), None);
+    }
+}

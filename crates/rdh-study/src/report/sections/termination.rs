@@ -1,0 +1,109 @@
+//! When to stop: the same rules for both, pruning, and leaving alone what no ray reaches.
+
+use maud::{Markup, html};
+use rdh_scene::Kind;
+
+use super::super::pairs::{Metric, Pair};
+use super::super::table::{Key, effects, group, ratio, table};
+use super::super::view::Study;
+use super::super::words;
+use super::common::{best_of_settings, effect, forest_of};
+use super::{Chapter, Section};
+
+pub(super) const CHAPTER: Chapter = Chapter {
+    id: "termination",
+    title: "When to stop",
+    question: "The paper says that large occluded scenes save construction time and memory where no rays are traced. How much, and what do unseen rays pay?",
+    write,
+};
+
+const METRICS: [Metric; 7] =
+    [Metric::Steps, Metric::Tests, Metric::Time, Metric::Build, Metric::Bytes, Metric::References, Metric::Worst];
+
+fn write(study: &Study<'_>) -> Option<Section> {
+    let pairs = study.totals("termination");
+    let all = study.pairs("termination");
+    if pairs.is_empty() {
+        return None;
+    }
+    let findings = [idle(&pairs), unseen(&all), rules(&pairs)].into_iter().flatten().collect();
+    let caption = |what: &str| html! { (what) " by rule of termination, relative to the base." };
+    // The same trees stand in several settings, for several sorts of rays.
+    let trees: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !is_idle_setting(p) || is_learnt(p)).collect();
+    let body = html! {
+        (forest_of(study, &trees, [Key::Setting, Key::Spec], Metric::Bytes, &caption("Memory")))
+        (forest_of(study, &trees, [Key::Setting, Key::Spec], Metric::Build, &caption("Build time")))
+        (effects("By rule of termination", &pairs, &[Key::Setting, Key::Spec, Key::Base], &METRICS))
+        (dearest(&all))
+    };
+    Some(Section { findings, body })
+}
+
+/// What the dearest rays pay. A percentile belongs to rays of one class, so that classes are pairs of their own here.
+fn dearest(all: &[&Pair<'_>]) -> Markup {
+    let has = |p: &&Pair<'_>| p.class.is_some() && p.ratio(Metric::Worst).is_some() && is_idle_setting(p);
+    let pairs: Vec<&Pair<'_>> = all.iter().copied().filter(has).collect();
+    let mut rows = Vec::new();
+    for setting in group(&pairs, &[Key::Setting]) {
+        rows.push(vec![html! { (setting.labels[0]) }]);
+        for g in group(&setting.pairs, &[Key::Spec]) {
+            if let Some(e) = effect(&g.pairs, Metric::Worst) {
+                rows.push(vec![
+                    html! { code { (g.labels[0]) } },
+                    html! { (e.n) },
+                    ratio(&e),
+                    html! { (words::digits(e.most)) },
+                ]);
+            }
+        }
+    }
+    let heads = ["spec", ">views and classes", ">99.9th percentile", ">largest"];
+    html! { @if !rows.is_empty() { (table("What the dearest rays pay: the 99.9th percentile of steps + tests", &heads, &rows)) } }
+}
+
+fn is_idle_setting(pair: &Pair<'_>) -> bool {
+    pair.setting.starts_with("idle")
+}
+
+fn is_learnt(pair: &Pair<'_>) -> bool {
+    pair.setting.contains("learnt")
+}
+
+/// Leaving nodes alone where rays spend little: what is saved, in dense scenes if there are any.
+fn idle(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let mut idle: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| is_idle(p) && is_learnt(p)).collect();
+    let dense = idle.iter().any(|p| p.kind == Kind::Dense);
+    idle.retain(|p| !dense || p.kind == Kind::Dense);
+    let best = group(&idle, &[Key::Spec]).into_iter().min_by(|a, b| bytes(&a.pairs).total_cmp(&bytes(&b.pairs)))?;
+    let metrics = [Metric::Bytes, Metric::Build, Metric::Steps, Metric::Time];
+    let saved = metrics.into_iter().filter_map(|m| Some(words::said(&effect(&best.pairs, m)?, m)));
+    Some(html! {
+        @if dense { "Dense scenes: " }
+        code { (best.labels[0]) } ", which leaves nodes as they are where rays spend little: " (words::list(&saved.collect::<Vec<_>>())) " against "
+        code { (best.pairs[0].base) } ", over " (words::count(best.pairs.len(), "pair"))
+    })
+}
+
+fn bytes(pairs: &[&Pair<'_>]) -> f64 {
+    effect(pairs, Metric::Bytes).map_or(f64::INFINITY, |e| e.mean)
+}
+
+/// What rays pay that were not learnt, at the 99.9th percentile.
+fn unseen(all: &[&Pair<'_>]) -> Option<Markup> {
+    let unseen = |p: &&Pair<'_>| is_idle(p) && p.class.is_some() && !is_learnt(p);
+    let worst = effect(&all.iter().copied().filter(unseen).collect::<Vec<_>>(), Metric::Worst)?;
+    Some(html! {
+        "Rays that were not learnt then pay, at the 99.9th percentile of steps + tests, " (words::figures(&worst)) " of the base; at most " (words::digits(worst.most))
+    })
+}
+
+fn is_idle(pair: &Pair<'_>) -> bool {
+    pair.spec.needs_rays() && pair.spec.to_string().contains("idle=")
+}
+
+/// The rules, the same for both heuristics.
+fn rules(pairs: &[&Pair<'_>]) -> Option<Markup> {
+    let rules: Vec<&Pair<'_>> = pairs.iter().copied().filter(|p| !is_idle_setting(p)).collect();
+    let said = best_of_settings(&rules, Metric::Steps)?;
+    Some(html! { "With the same rule for both heuristics: " (said) })
+}

@@ -1,0 +1,155 @@
+//! What a study is made of, as plain data: `plan.json` in its folder. Whoever has it can go on with the study, or check its shards.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::experiment::{self, EXPERIMENTS};
+use super::record::Job;
+use super::scope::Scope;
+use crate::error::{Error, Result};
+use crate::files::write_whole;
+use crate::integrate::Mode;
+use crate::plan::Plan;
+
+/// Everything that decides what a study counts, and the jobs that this makes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StudyPlan {
+    /// The version of this format.
+    pub version: u32,
+    /// The program's version.
+    pub program: String,
+    /// What all randomness comes from.
+    pub seed: u64,
+    /// A first look: small scenes, few views, few rays.
+    pub quick: bool,
+    /// Width and height of the film.
+    pub size: [usize; 2],
+    /// Training rays a view, where the experiment doesn't vary them.
+    pub training: usize,
+    /// Timing rounds in large scenes, and in small ones.
+    pub rounds: [usize; 2],
+    /// Builds in small scenes.
+    pub builds: usize,
+    /// The experiments, by name.
+    pub experiments: Vec<String>,
+    /// The modes.
+    pub modes: Vec<Mode>,
+    /// Ids of the scenes, and their triangles.
+    pub scenes: Vec<(String, usize)>,
+    /// The jobs, in order: scene by scene, so that each is loaded once.
+    pub jobs: Vec<Job>,
+}
+
+impl StudyPlan {
+    const VERSION: u32 = 1;
+    const FILE: &str = "plan.json";
+
+    /// Plans experiments over a scope; `settings` gives film, training, rounds and seed.
+    ///
+    /// # Errors
+    /// [`Error::Plan`] if there is nothing to do, or a name is unknown or given twice.
+    pub fn new(scope: &Scope, experiments: &[String], settings: &Plan) -> Result<Self> {
+        let chosen: Vec<&dyn experiment::Experiment> = match experiments {
+            [] => EXPERIMENTS.to_vec(),
+            names => names.iter().map(|name| known(name)).collect::<Result<_>>()?,
+        };
+        let twice = |i: usize| chosen[..i].iter().any(|e| e.name() == chosen[i].name());
+        if let Some(i) = (0..chosen.len()).find(|&i| twice(i)) {
+            return Err(Error::Plan(format!("experiment '{}' is given twice", chosen[i].name())));
+        }
+        let mut jobs: Vec<Job> = chosen.iter().flat_map(|e| e.jobs(scope)).collect();
+        let place = |job: &Job| scope.entries.iter().position(|e| e.id == job.scene);
+        jobs.sort_by_key(|job| (place(job), job.frame));
+        if jobs.is_empty() {
+            return Err(Error::Plan("nothing to do: no experiment has jobs for these scenes and modes".to_owned()));
+        }
+        Ok(Self {
+            version: Self::VERSION,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            seed: settings.seed,
+            quick: scope.quick,
+            size: settings.size,
+            training: settings.training,
+            rounds: [settings.rounds, settings.small_rounds],
+            builds: settings.small_builds,
+            experiments: chosen.iter().map(|e| e.name().to_owned()).collect(),
+            modes: scope.modes.clone(),
+            scenes: scope.entries.iter().map(|e| (e.id.clone(), e.triangles)).collect(),
+            jobs,
+        })
+    }
+
+    /// Film, training, rounds and seed, as measurements take them.
+    pub fn settings(&self, threads: Option<usize>) -> Plan {
+        Plan {
+            size: self.size,
+            training: self.training,
+            seed: self.seed,
+            rounds: self.rounds[0],
+            small_rounds: self.rounds[1],
+            small_builds: self.builds,
+            threads,
+            ..Plan::default()
+        }
+    }
+
+    /// The plan of a study's folder; `None` if there is none.
+    ///
+    /// # Errors
+    /// A file that can't be read, or isn't one.
+    pub fn read(folder: &Path) -> Result<Option<Self>> {
+        let path = Self::path(folder);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(Error::file(&path)(error)),
+        };
+        let content = |reason: String| Error::Content { path: path.clone(), reason };
+        let plan: Self = serde_json::from_str(&text).map_err(|e| content(e.to_string()))?;
+        if plan.version != Self::VERSION {
+            let known = Self::VERSION;
+            return Err(content(format!("version {} of the format; only {known} can be read", plan.version)));
+        }
+        Ok(Some(plan))
+    }
+
+    /// Writes the plan into a study's folder, which is made if it isn't there.
+    ///
+    /// # Errors
+    /// What the system says, with the file.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        fs::create_dir_all(folder).map_err(Error::file(folder))?;
+        let path = Self::path(folder);
+        let text = serde_json::to_string_pretty(self).map_err(|e| Error::Plan(e.to_string()))?;
+        write_whole(&path, (text + "\n").as_bytes()).map_err(Error::file(&path))
+    }
+
+    /// The first thing in which two plans differ, in words.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        let values = |plan: &Self| serde_json::to_value(plan).unwrap_or_default();
+        let (here, there) = (values(self), values(other));
+        let fields =
+            ["program", "seed", "quick", "size", "training", "rounds", "builds", "experiments", "modes", "scenes"];
+        let first = fields.into_iter().find(|&f| here[f] != there[f]);
+        let words = |f: &str| format!("{f}: {} here, {} there", shortened(&here[f]), shortened(&there[f]));
+        first.map(words).or_else(|| (self != other).then(|| "the jobs".to_owned()))
+    }
+
+    fn path(folder: &Path) -> PathBuf {
+        folder.join(Self::FILE)
+    }
+}
+
+fn known(name: &str) -> Result<&'static dyn experiment::Experiment> {
+    let unknown = || Error::Plan(format!("unknown experiment '{name}'; known: {}", experiment::names()));
+    experiment::find(name).ok_or_else(unknown)
+}
+
+/// As much of a value as fits into a line.
+fn shortened(value: &serde_json::Value) -> String {
+    const MOST: usize = 120;
+    let text = value.to_string();
+    if text.chars().count() <= MOST { text } else { text.chars().take(MOST).chain("…".chars()).collect() }
+}

@@ -1,0 +1,7 @@
+//! Embree 4 as a competitor.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    rdh_engine_embree::serve_embree4()
+}
