@@ -1,4 +1,4 @@
-//! From cuts to the arrays that rays walk: wide nodes in preorder, the largest child first, and packed blocks of triangles.
+//! From cuts to the arrays that rays walk: wide nodes in preorder, the likeliest child first, and packed blocks of triangles.
 
 use super::binary::BinaryNode;
 use super::collapse::Cuts;

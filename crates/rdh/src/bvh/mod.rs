@@ -23,7 +23,7 @@ pub use spec::{BvhSpec, Effort, Width};
 
 use std::sync::Arc;
 
-use binary::ByArea;
+use binary::{BinaryNode, ByArea};
 use collapse::{Costs, Cuts};
 use extent::Extent;
 use guided::ByRays;
@@ -108,9 +108,12 @@ impl<const W: usize> Bvh<W> {
         watch.check_cancelled()?;
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
         watch.check_cancelled()?;
-        // Areas say too little about where rays are stopped to be worth dividing by a cost.
+        let counts = counts(&nodes)?;
+        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
+        // cost; but where spatial splits made them, a large child that holds little is soon done with.
         let first = |i: usize| match guide {
             Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
+            None if spec.spatial => weights.stops[i] / counts[i] as f32,
             None => weights.stops[i],
         };
         let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)))?;
@@ -191,6 +194,18 @@ impl<const W: usize> Bvh<W> {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
+}
+
+/// The references below each node.
+fn counts(nodes: &[BinaryNode]) -> Result<Vec<u32>> {
+    let mut counts = Vec::new();
+    reserve(&mut counts, nodes.len(), "nodes")?;
+    counts.resize(nodes.len(), 0);
+    // In preorder children come after their parents: backwards they are done first.
+    for (i, node) in nodes.iter().enumerate().rev() {
+        counts[i] = if node.is_interior() { counts[i + 1] + counts[node.right()] } else { node.0.count };
+    }
+    Ok(counts)
 }
 
 /// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
