@@ -37,7 +37,7 @@ impl Experiment for Assumptions {
     }
 
     fn jobs(&self, scope: &Scope) -> Vec<Job> {
-        scope.jobs(self.name(), Sample::MEDIUM, &[Mode::Primary, Mode::Path])
+        scope.jobs(self.name(), Sample::FEW, &[Mode::Primary, Mode::Path])
     }
 
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {

@@ -27,7 +27,7 @@ impl Experiment for Controls {
     }
 
     fn jobs(&self, scope: &Scope) -> Vec<Job> {
-        scope.jobs(self.name(), Sample::MEDIUM, &[Mode::Primary, Mode::Whitted, Mode::Path])
+        scope.jobs(self.name(), Sample::FEW, &[Mode::Primary, Mode::Whitted, Mode::Path])
     }
 
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
