@@ -2,6 +2,7 @@
 
 mod browser;
 mod engines;
+mod study;
 
 use std::process::ExitCode;
 
@@ -21,12 +22,15 @@ enum Task {
     Browser(browser::Arguments),
     /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
+    /// Run a study in parts side by side, and put its page and tables into docs/study.
+    Study(study::Arguments),
 }
 
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Browser(arguments) => browser::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
+        Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,
