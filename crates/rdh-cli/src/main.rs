@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod context;
 mod exit;
+mod machine;
 mod output;
 mod pick;
 mod picture;

@@ -50,7 +50,7 @@ fn disagreement(text: String) -> Result<()> {
 }
 
 /// Counts that differ are exit code 3.
-fn sorted(error: rdh_study::Error) -> Error {
+pub(super) fn sorted(error: rdh_study::Error) -> Error {
     match error {
         rdh_study::Error::Disagreement(text) => Error::new(Disagreement(text)),
         other => Error::new(other),

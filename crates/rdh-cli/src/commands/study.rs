@@ -6,10 +6,11 @@ use rdh_scene::Entry;
 use rdh_study::study::{Course, Progress, Scope, Shard, StudyPlan, merge, run as run_study};
 use rdh_study::{Mode, Plan};
 
-use super::merge::{print_document, verdict};
+use super::merge::{print_document, sorted, verdict};
 use crate::args::StudyArgs;
 use crate::context::Context;
 use crate::exit::usage;
+use crate::machine;
 use crate::output::print;
 use crate::pick::Shelf;
 
@@ -22,6 +23,7 @@ pub(crate) fn run(args: &StudyArgs, context: &Context) -> Result<()> {
         folder: &args.out,
         shard: args.shard,
         resume: args.resume,
+        machine: Some(machine::name()),
         threads: context.threads,
         entries: &scope.entries,
         load: &Entry::load,
@@ -33,7 +35,7 @@ pub(crate) fn run(args: &StudyArgs, context: &Context) -> Result<()> {
         let (shard, folder) = (args.shard, args.out.display());
         return print(&format!("part {shard} is done; join the parts with: rdh merge {folder} …\n"));
     }
-    let document = merge(std::slice::from_ref(&args.out))?.document();
+    let document = merge(std::slice::from_ref(&args.out)).map_err(sorted)?.document();
     print_document(&document, context)?;
     verdict(&document, &[])
 }
@@ -60,8 +62,7 @@ fn settings(args: &StudyArgs, context: &Context) -> Plan {
     } else {
         Plan { size: [256, 256], small_builds: 2, ..Plan::default() }
     };
-    // An even number: of two structures each begins as often as the other.
-    let rounds = args.rounds.unwrap_or(4);
+    let rounds = args.rounds.unwrap_or(StudyPlan::ROUNDS);
     Plan {
         size: args.size.map_or(usual.size, |s| [s.width, s.height]),
         training: args.training.unwrap_or(usual.training),

@@ -57,9 +57,9 @@ pub(super) enum Metric {
     Worst,
 }
 
-/// All pairs of some records: per class, and for all classes of a job together.
+/// All pairs of some records: per class, and for all classes of a job together. Where structures disagree nothing counts.
 pub(super) fn pairs(records: &[Record]) -> Vec<Pair<'_>> {
-    records.iter().flat_map(pairs_of).collect()
+    records.iter().filter(|r| r.mismatches.is_empty()).flat_map(pairs_of).collect()
 }
 
 impl Metric {
@@ -96,14 +96,21 @@ impl Metric {
 impl Pair<'_> {
     /// Ours to theirs: below 1 is better. Nothing where it was not measured.
     pub(super) fn ratio(&self, metric: Metric) -> Option<f64> {
-        let ratio = ratio(metric.of(&self.ours)?, metric.of(&self.theirs)?);
+        let ratio = match metric {
+            Metric::Time if !self.ours.round_nanos.is_empty() => median(&self.round_ratios()),
+            _ => ratio(metric.of(&self.ours)?, metric.of(&self.theirs)?),
+        };
         ratio.is_finite().then_some(ratio)
+    }
+
+    fn round_ratios(&self) -> Vec<f64> {
+        let rounds = self.ours.round_nanos.iter().zip(&self.theirs.round_nanos);
+        rounds.map(|(&a, &b)| ratio(a, b)).collect()
     }
 
     /// The 95 % interval of the time's ratio over the rounds.
     pub(super) fn time_interval(&self) -> Option<[f64; 2]> {
-        let rounds = self.ours.round_nanos.iter().zip(&self.theirs.round_nanos);
-        paired_interval(&rounds.map(|(&a, &b)| ratio(a, b)).collect::<Vec<_>>())
+        paired_interval(&self.round_ratios())
     }
 
     /// `scene:view`, with the frame where it is not the scene at rest.

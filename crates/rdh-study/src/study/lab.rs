@@ -205,6 +205,25 @@ fn case(job: &Job) -> Case {
     Case { scene: job.scene.clone(), view: job.view.clone(), frame: job.frame, mode: job.mode }
 }
 
+/// What was built, each structure with its settings. A setting whose first structure, its base, could not be built is left out: no other
+/// one may take its place.
+pub fn entrants<'b>(built: &'b [Option<Built>], settings: &[Vec<Setting>]) -> Vec<Entrant<'b>> {
+    let mut bases: Vec<(&Setting, bool)> = Vec::new();
+    for (built, settings) in built.iter().zip(settings) {
+        for setting in settings {
+            if bases.iter().all(|(known, _)| *known != setting) {
+                bases.push((setting, built.is_some()));
+            }
+        }
+    }
+    let has_base = |setting: &Setting| bases.contains(&(setting, true));
+    let entrant = |(built, settings): (&'b Option<Built>, &Vec<Setting>)| {
+        let settings: Vec<Setting> = settings.iter().filter(|s| has_base(s)).cloned().collect();
+        Some(Entrant { built: built.as_ref()?, settings }).filter(|e| !e.settings.is_empty())
+    };
+    built.iter().zip(settings).filter_map(entrant).collect()
+}
+
 /// All settings, in the order in which they are first named.
 fn settings(entrants: &[Entrant<'_>]) -> Vec<Setting> {
     let mut all: Vec<Setting> = Vec::new();

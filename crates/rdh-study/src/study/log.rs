@@ -1,7 +1,7 @@
 //! The log of a study: one record a line, each with its checksum, appended and made durable before the next job begins.
 //!
 //! A line is sixteen hexadecimal digits (XXH3-64 of the rest), a space, and the record as JSON. A process that dies while it writes leaves
-//! a torn last line, which is cut off; anything else that is wrong with a log is an error that says where.
+//! a last line without an end, which is cut off; anything else that is wrong with a log is an error that says where.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
@@ -62,7 +62,7 @@ impl Log {
     /// Opens a log to append to, made if it isn't there; a torn last line is cut off. Returns what is in it.
     ///
     /// # Errors
-    /// A log that another process is writing, that can't be read, or that is damaged elsewhere than at its end.
+    /// A log that another process is writing, that can't be read, or that is damaged otherwise.
     pub fn open(path: &Path) -> Result<(Self, Contents)> {
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(Error::file(path))?;
         file.try_lock().map_err(|error| match error {
@@ -102,29 +102,26 @@ impl<F: Durable> Log<F> {
 /// Reads a log.
 ///
 /// # Errors
-/// A file that can't be read; a line that is damaged and isn't the last one, with its number and byte.
+/// A file that can't be read; a line that ends and is damaged, with its number and byte.
 pub fn read(path: &Path) -> Result<Contents> {
     let mut reader = BufReader::new(File::open(path).map_err(Error::file(path))?);
     let mut contents = Contents::default();
     let mut line = Vec::new();
-    let mut damaged: Option<(usize, String)> = None;
     for number in 1.. {
         line.clear();
         if reader.read_until(b'\n', &mut line).map_err(Error::file(path))? == 0 {
             break;
-        }
-        if let Some((number, reason)) = damaged {
-            let reason = format!("line {number}, byte {}: {reason}", contents.len);
-            return Err(Error::Content { path: path.to_owned(), reason });
         }
         match parse(&line) {
             Ok(record) => {
                 contents.records.push(record);
                 contents.len += line.len() as u64;
             }
+            // Written in one piece, a line that doesn't end is one whose writer died.
+            Err(_) if line.last() != Some(&b'\n') => contents.torn = line.len() as u64,
             Err(reason) => {
-                damaged = Some((number, reason));
-                contents.torn = line.len() as u64;
+                let reason = format!("line {number}, byte {}: {reason}", contents.len);
+                return Err(Error::Content { path: path.to_owned(), reason });
             }
         }
     }

@@ -1,16 +1,20 @@
 //! What a study is made of, as plain data: `plan.json` in its folder. Whoever has it can go on with the study, or check its shards.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rdh::{BuildOptions, Query, Ray, RayClass, RaySample, Spec, Training};
+use rdh_scene::catalog;
 use serde::{Deserialize, Serialize};
 
 use super::experiment::{self, EXPERIMENTS};
+use super::lines::uniform_lines;
 use super::record::Job;
 use super::scope::Scope;
 use crate::error::{Error, Result};
 use crate::files::write_whole;
-use crate::integrate::Mode;
+use crate::integrate::{Mode, Stage};
 use crate::plan::Plan;
 
 /// Everything that decides what a study counts, and the jobs that this makes.
@@ -20,6 +24,9 @@ pub struct StudyPlan {
     pub version: u32,
     /// The program's version.
     pub program: String,
+    /// What the builders make of a small scene, as hashes: other ones make another study.
+    #[serde(default)]
+    pub builders: String,
     /// What all randomness comes from.
     pub seed: u64,
     /// A first look: small scenes, few views, few rays.
@@ -44,6 +51,8 @@ pub struct StudyPlan {
 
 impl StudyPlan {
     const VERSION: u32 = 1;
+    /// Usual timing rounds: an even number, so that of two structures each begins as often as the other.
+    pub const ROUNDS: usize = 4;
     const FILE: &str = "plan.json";
 
     /// Plans experiments over a scope; `settings` gives film, training, rounds and seed.
@@ -55,10 +64,9 @@ impl StudyPlan {
             [] => EXPERIMENTS.to_vec(),
             names => names.iter().map(|name| known(name)).collect::<Result<_>>()?,
         };
-        let twice = |i: usize| chosen[..i].iter().any(|e| e.name() == chosen[i].name());
-        if let Some(i) = (0..chosen.len()).find(|&i| twice(i)) {
-            return Err(Error::Plan(format!("experiment '{}' is given twice", chosen[i].name())));
-        }
+        refuse_twice("experiment", chosen.iter().map(|e| e.name().to_owned()))?;
+        refuse_twice("scene", scope.entries.iter().map(|e| e.id.clone()))?;
+        refuse_twice("mode", scope.modes.iter().map(Mode::to_string))?;
         let mut jobs: Vec<Job> = chosen.iter().flat_map(|e| e.jobs(scope)).collect();
         let place = |job: &Job| scope.entries.iter().position(|e| e.id == job.scene);
         jobs.sort_by_key(|job| (place(job), job.frame));
@@ -68,6 +76,7 @@ impl StudyPlan {
         Ok(Self {
             version: Self::VERSION,
             program: env!("CARGO_PKG_VERSION").to_owned(),
+            builders: builders()?,
             seed: settings.seed,
             quick: scope.quick,
             size: settings.size,
@@ -130,8 +139,19 @@ impl StudyPlan {
     pub fn difference(&self, other: &Self) -> Option<String> {
         let values = |plan: &Self| serde_json::to_value(plan).unwrap_or_default();
         let (here, there) = (values(self), values(other));
-        let fields =
-            ["program", "seed", "quick", "size", "training", "rounds", "builds", "experiments", "modes", "scenes"];
+        let fields = [
+            "program",
+            "builders",
+            "seed",
+            "quick",
+            "size",
+            "training",
+            "rounds",
+            "builds",
+            "experiments",
+            "modes",
+            "scenes",
+        ];
         let first = fields.into_iter().find(|&f| here[f] != there[f]);
         let words = |f: &str| format!("{f}: {} here, {} there", shortened(&here[f]), shortened(&there[f]));
         first.map(words).or_else(|| (self != other).then(|| "the jobs".to_owned()))
@@ -140,6 +160,32 @@ impl StudyPlan {
     fn path(folder: &Path) -> PathBuf {
         folder.join(Self::FILE)
     }
+}
+
+/// The trees that the main specs grow on a small scene, for uniform lines.
+fn builders() -> Result<String> {
+    let words = |e: &dyn std::fmt::Display| Error::Plan(format!("the builders can't be told apart: {e}"));
+    let entry = catalog::find(SMALL_SCENE, &[]).map_err(|e| words(&e))?;
+    let stage = Stage::new(&entry.load(0).map_err(|e| words(&e))?).map_err(|e| words(&e))?;
+    let sample = |ray: &Ray| RaySample::new(*ray, None, Query::Closest, RayClass::Other);
+    let training = Training::from_samples(uniform_lines(&stage.bounds(), 1024, 1).rays.iter().map(sample).collect());
+    let hash = |spec: Spec| {
+        let tree = rdh::build(stage.mesh(), &spec, &training, &BuildOptions::default()).map_err(|e| words(&e))?;
+        Ok(format!("{spec} {:016x}", tree.fingerprint()))
+    };
+    Ok(Plan::default_specs().into_iter().map(hash).collect::<Result<Vec<_>>>()?.join(", "))
+}
+
+const SMALL_SCENE: &str = "tetra5";
+
+fn refuse_twice(what: &str, names: impl Iterator<Item = String>) -> Result<()> {
+    let mut seen = BTreeSet::new();
+    for name in names {
+        if let Some(name) = seen.replace(name) {
+            return Err(Error::Plan(format!("{what} '{name}' is given twice")));
+        }
+    }
+    Ok(())
 }
 
 fn known(name: &str) -> Result<&'static dyn experiment::Experiment> {

@@ -27,6 +27,9 @@ pub struct Job {
 pub struct Record {
     /// Which job.
     pub job: Job,
+    /// The machine that measured, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub machine: Option<String>,
     /// Measurements, one per setting, class and spec; the first spec of a setting is its base.
     pub rows: Vec<Row>,
     /// What is no row: figures by depth of the tree, bounds, predictions.
@@ -43,12 +46,12 @@ pub struct Record {
 impl Record {
     /// An empty record of a job.
     pub fn of(job: Job) -> Self {
-        Self { job, rows: Vec::new(), curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
+        Self { job, machine: None, rows: Vec::new(), curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
     }
 
-    /// The record without what a clock said: equal for equal jobs.
+    /// The record without what a clock said, and where: equal for equal jobs.
     pub fn without_times(&self) -> Self {
-        Self { rows: self.rows.iter().map(Row::without_times).collect(), ..self.clone() }
+        Self { machine: None, rows: self.rows.iter().map(Row::without_times).collect(), ..self.clone() }
     }
 }
 

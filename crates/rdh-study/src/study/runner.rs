@@ -1,6 +1,7 @@
 //! Runs a study's jobs one by one, each safe in the log before the next begins.
 
 use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use rdh_scene::Entry;
@@ -48,6 +49,8 @@ pub struct Course<'a> {
     pub shard: Shard,
     /// Whether to go on with what is in the folder.
     pub resume: bool,
+    /// The machine, in words, as records name it.
+    pub machine: Option<String>,
     /// Threads that make and count rays; what is timed runs on one.
     pub threads: Option<usize>,
     /// The scenes of the plan.
@@ -74,7 +77,7 @@ pub fn run(plan: &StudyPlan, course: &Course<'_>, observer: &mut dyn FnMut(&Prog
         let lab = open(&of_scene[0], course, &settings, pool.as_ref());
         for job in of_scene {
             observer(&Progress::Started { job, done, total });
-            let record = run_job(job, lab.as_ref());
+            let record = Record { machine: course.machine.clone(), ..run_job(job, lab.as_ref()) };
             log.append(&record)?;
             done += 1;
             observer(&Progress::Finished(&record));
@@ -114,7 +117,10 @@ fn open<'a>(
 fn run_job(job: &Job, lab: Result<&Lab<'_>, &String>) -> Record {
     let mut found = Record::of(job.clone());
     let experiment = experiment::find(&job.experiment).ok_or_else(|| "there is no such experiment".to_owned());
-    let result = lab.map_err(Clone::clone).and_then(|lab| experiment.and_then(|e| e.run(lab, &mut found)));
+    let work = || lab.map_err(Clone::clone).and_then(|lab| experiment.and_then(|e| e.run(lab, &mut found)));
+    // A bug that one job meets must not keep the others from being done, now or when the study is resumed. What the job has found until
+    // then is plain data.
+    let result = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("it panicked".to_owned()));
     if let Err(reason) = result {
         let (scene, view) = (job.scene.clone(), Some(job.view.clone()));
         found.failures.push(Failure { scene, view, spec: None, reason });

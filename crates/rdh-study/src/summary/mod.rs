@@ -9,7 +9,7 @@ use rdh_scene::Kind;
 
 use crate::integrate::Mode;
 use crate::rows::{Over, Row, Summary};
-use crate::stats::{geometric_mean, paired_interval, ratio, stratified_bootstrap, stratified_mean};
+use crate::stats::{geometric_mean, median, paired_interval, ratio, stratified_bootstrap, stratified_mean};
 use cases::{Cases, Cell, Groups};
 
 /// The bootstrap's seed: summaries of the same rows are equal.
@@ -111,25 +111,29 @@ impl<'a> Pairs<'a> {
         self.of.iter().map(|(_, a, b)| ratio(of(a), of(b))).collect()
     }
 
-    fn mean(&self, of: fn(&Cell) -> f64) -> f64 {
+    /// Medians over the rounds, whose parts ran next to each other.
+    fn time_ratios(&self) -> Vec<f64> {
+        self.of.iter().map(|(_, a, b)| median(&round_ratios(a, b))).collect()
+    }
+
+    fn mean(&self, ratios: &[f64]) -> f64 {
         match self.over {
-            Over::Pairs | Over::Kind(_) => geometric_mean(&self.ratios(of)),
-            Over::Kinds => stratified_mean(&self.strata(&self.ratios(of))),
+            Over::Pairs | Over::Kind(_) => geometric_mean(ratios),
+            Over::Kinds => stratified_mean(&self.strata(ratios)),
         }
     }
 
     /// Clustered by scene; where there is one scene, by its views.
-    fn interval(&self, of: fn(&Cell) -> f64) -> [f64; 2] {
-        stratified_bootstrap(&self.strata(&self.ratios(of)), BOOTSTRAP_SEED).unwrap_or([f64::NAN; 2])
+    fn interval(&self, ratios: &[f64]) -> [f64; 2] {
+        stratified_bootstrap(&self.strata(ratios), BOOTSTRAP_SEED).unwrap_or([f64::NAN; 2])
     }
 
     /// That of the times; a single pair has the interval of its rounds.
     fn time_interval(&self) -> [f64; 2] {
         if let [(_, a, b)] = &self.of[..] {
-            let time = ratio(a.nanos, b.nanos);
-            return paired_interval(&round_ratios(a, b)).unwrap_or([time; 2]);
+            return paired_interval(&round_ratios(a, b)).unwrap_or([f64::NAN; 2]);
         }
-        self.interval(|c| c.nanos)
+        self.interval(&self.time_ratios())
     }
 
     /// `[stratum][cluster]`: the kinds if they weigh alike, else all in one; then the scenes.
@@ -153,6 +157,8 @@ fn summary(mode: Mode, class: Option<RayClass>, spec: Spec, base: Spec, pairs: &
         let counts = |a, b| paired_interval(&round_ratios(a, b)).is_some_and(lies);
         pairs.of.iter().filter(|(_, a, b)| counts(a, b)).count()
     };
+    let mean = |of: fn(&Cell) -> f64| pairs.mean(&pairs.ratios(of));
+    let interval = |of: fn(&Cell) -> f64| pairs.interval(&pairs.ratios(of));
     Summary {
         experiment: None,
         setting: None,
@@ -163,17 +169,17 @@ fn summary(mode: Mode, class: Option<RayClass>, spec: Spec, base: Spec, pairs: &
         spec,
         base,
         n: pairs.of.len(),
-        steps_ratio: pairs.mean(|c| c.steps),
-        steps_ratio_ci95: pairs.interval(|c| c.steps),
-        tests_ratio: pairs.mean(|c| c.tests),
-        tests_ratio_ci95: pairs.interval(|c| c.tests),
-        cost_p999_ratio: pairs.mean(|c| c.cost_p999),
-        time_ratio: pairs.mean(|c| c.nanos),
+        steps_ratio: mean(|c| c.steps),
+        steps_ratio_ci95: interval(|c| c.steps),
+        tests_ratio: mean(|c| c.tests),
+        tests_ratio_ci95: interval(|c| c.tests),
+        cost_p999_ratio: mean(|c| c.cost_p999),
+        time_ratio: pairs.mean(&pairs.time_ratios()),
         time_ratio_ci95: pairs.time_interval(),
-        build_ratio: pairs.mean(|c| c.build_secs * 1e9),
-        build_and_rrs_ratio: pairs.mean(|c| (c.build_secs + c.rrs_secs) * 1e9),
-        references_ratio: pairs.mean(|c| c.references),
-        bytes_ratio: pairs.mean(|c| c.bytes),
+        build_ratio: mean(|c| c.build_secs * 1e9),
+        build_and_rrs_ratio: mean(|c| (c.build_secs + c.rrs_secs) * 1e9),
+        references_ratio: mean(|c| c.references),
+        bytes_ratio: mean(|c| c.bytes),
         slower_cases: sure(|[low, _]| low > 1.0),
         faster_cases: sure(|[_, high]| high < 1.0),
     }
@@ -187,7 +193,6 @@ fn round_ratios(spec: &Cell, base: &Cell) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::plan::Protocol;
-    use crate::stats::median;
 
     /// A row of 100 rays with the given nanoseconds a ray in each round; its steps are ten times the first, its tests a tenth.
     fn row(scene: &str, view: &str, class: RayClass, spec: &str, rounds: &[f64]) -> Row {

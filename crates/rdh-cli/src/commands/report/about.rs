@@ -1,6 +1,6 @@
 //! What a page says of its figures' origin: machine, date, commands, settings.
 
-use std::fs;
+use std::collections::BTreeSet;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use rdh_scene::Entry;
@@ -9,6 +9,7 @@ use rdh_study::study::{EXPERIMENTS, Merged, StudyPlan};
 use rdh_study::{Mode, Plan};
 
 use crate::args::ReportArgs;
+use crate::machine;
 
 /// Everything but the pictures.
 pub(super) fn about(args: &ReportArgs, merged: &Merged, embedded: &[Entry]) -> About {
@@ -18,12 +19,18 @@ pub(super) fn about(args: &ReportArgs, merged: &Merged, embedded: &[Entry]) -> A
             .duration_since(UNIX_EPOCH)
             .map_or_else(|_| String::new(), |t| date(t.as_secs() / 86_400)),
         version: plan.program.clone(),
-        machine: args.machine.clone().unwrap_or_else(machine),
+        machine: args.machine.clone().unwrap_or_else(|| machines(merged)),
         commands: vec![study_command(plan, embedded), "rdh report study".to_owned()],
         settings: settings(plan),
         missing: merged.missing.len(),
         pictures: Vec::new(),
     }
+}
+
+/// Those that measured; this one if the records don't say.
+fn machines(merged: &Merged) -> String {
+    let names: BTreeSet<&str> = merged.records.iter().filter_map(|r| r.machine.as_deref()).collect();
+    if names.is_empty() { machine::name() } else { names.into_iter().collect::<Vec<_>>().join("; ") }
 }
 
 /// The command that makes the study again; what is usual is left out.
@@ -38,7 +45,7 @@ fn study_command(plan: &StudyPlan, embedded: &[Entry]) -> String {
         (plan.modes.len() < Mode::ALL.len(), format!(" --mode {modes}")),
         (plan.size != usual.0, format!(" --size {width}x{height}")),
         (plan.training != usual.1, format!(" --training {}", plan.training)),
-        (plan.rounds[0] != Plan::default().rounds, format!(" --rounds {}", plan.rounds[0])),
+        (plan.rounds[0] != StudyPlan::ROUNDS, format!(" --rounds {}", plan.rounds[0])),
         (true, format!(" --seed {} --out study", plan.seed)),
     ];
     "rdh study".to_owned() + &parts.into_iter().filter(|p| p.0).map(|p| p.1).collect::<String>()
@@ -50,7 +57,11 @@ fn scene_arguments(plan: &StudyPlan, embedded: &[Entry]) -> String {
     match (embedded.iter().all(|e| has(&e.id)), plan.scenes.len() > embedded.len()) {
         (true, false) => String::new(),
         (true, true) => " --scenes DIR".to_owned(),
-        (false, _) => plan.scenes.iter().map(|(id, _)| format!(" {id}")).collect(),
+        (false, _) => {
+            let others = plan.scenes.iter().any(|(id, _)| embedded.iter().all(|e| e.id != *id));
+            let names: String = plan.scenes.iter().map(|(id, _)| format!(" '{id}'")).collect();
+            if others { format!("{names} --scenes DIR") } else { names }
+        }
     }
 }
 
@@ -67,20 +78,6 @@ fn settings(plan: &StudyPlan) -> Vec<(String, String)> {
         ("Rays", modes),
     ];
     facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
-}
-
-/// This machine in words, as far as the system tells.
-fn machine() -> String {
-    let cpu = fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| model(&text));
-    let cores = std::thread::available_parallelism().map_or(0, usize::from);
-    let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
-    let cores = if cores > 0 { format!("{cores} threads, ") } else { String::new() };
-    format!("{}, {cores}{system}", cpu.unwrap_or_else(|| "unknown processor".to_owned()))
-}
-
-fn model(cpuinfo: &str) -> Option<String> {
-    let line = cpuinfo.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }
 
 /// The date, from the days since 1970-01-01, by the Gregorian calendar: years begin in March, so that leap days come last.
@@ -106,11 +103,5 @@ mod tests {
         let expected =
             ["1970-01-01", "1970-03-01", "1970-03-02", "2000-02-29", "2000-03-01", "2024-02-29", "2026-01-01"];
         assert_eq!(dates, expected);
-    }
-
-    #[test]
-    fn the_processor_is_named() {
-        assert_eq!(model("flags : a\nmodel name\t: Fast CPU @ 2 GHz\n"), Some("Fast CPU @ 2 GHz".to_owned()));
-        assert_eq!(model("Hardware : board"), None);
     }
 }

@@ -8,6 +8,7 @@ use rdh_study::report::{About, html, markdown};
 use rdh_study::study::merge;
 use serde_json::json;
 
+use super::merge::sorted;
 use crate::args::ReportArgs;
 use crate::context::Context;
 use crate::output::{print, print_json, write_file};
@@ -15,7 +16,7 @@ use crate::pick::Shelf;
 
 /// Reads the study, draws the pictures, writes the page.
 pub(crate) fn run(args: &ReportArgs, context: &Context) -> Result<()> {
-    let merged = merge(&args.folders)?;
+    let merged = merge(&args.folders).map_err(sorted)?;
     let shelf = Shelf::open(context.folder.as_deref())?;
     let pictures = if args.no_pictures { Vec::new() } else { pictures::draw(&merged, &shelf, context) };
     let about = About { pictures, ..about::about(args, &merged, shelf.embedded()) };

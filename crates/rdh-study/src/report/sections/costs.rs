@@ -42,8 +42,10 @@ fn finding(pairs: &[&Pair<'_>]) -> Option<Markup> {
     let needed: Vec<f64> = pairs.iter().filter_map(|p| rays_until_paid(p)).collect();
     Some(html! {
         code { (ours()) } " against " code { (pairs[0].base) } ": " (words::said(&build, Metric::BuildAndRays)) " and " (words::said(&bytes, Metric::Bytes))
-        "; it has paid after " (words::grouped(median(&needed))) " rays at the median of the " (words::count(needed.len(), "pair"))
-        " that it speeds up (of " (pairs.len()) ")"
+        @if needed.is_empty() { "; it has paid in none of the pairs" } @else {
+            "; it has paid after " (words::grouped(median(&needed))) " rays at the median of the " (words::count(needed.len(), "pair"))
+            " that it speeds up (of " (pairs.len()) ")"
+        }
     })
 }
 

@@ -9,6 +9,7 @@ use super::super::view::Study;
 use super::super::words::{self, percent, signed};
 use super::{Chapter, Section};
 use crate::rows::Curve;
+use crate::study::experiment::spd::PUBLISHED;
 
 pub(super) const CHAPTER: Chapter = Chapter {
     id: "spd",
@@ -29,6 +30,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
     for curve in first {
         heads.extend([format!(">{}", name(curve)), ">published".to_owned(), ">".to_owned()]);
     }
+    heads.push("why ours differ".to_owned());
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let rows: Vec<Vec<Markup>> = scenes.iter().map(|(scene, curves)| row(scene, curves)).collect();
     let body = html! {
@@ -36,7 +38,7 @@ fn write(study: &Study<'_>) -> Option<Section> {
         p.note {
             "Ours are triangles with flat normals, a little smaller than the true spheres, cylinders and cones: silhouettes lose a little, and "
             "reflections between coarse spheres lose their way sooner, which shows most in the lattice. Gears, teapot and tetra are polygons in the "
-            "original too. Small films make coarse counts."
+            "original too. The film is smaller than the published one, so that counts are coarser."
         }
     };
     Some(Section { findings: finding(&scenes).into_iter().collect(), body })
@@ -65,5 +67,7 @@ fn row(scene: &str, curves: &[&Curve]) -> Vec<Markup> {
         let difference = if theirs > 0.0 { signed(ours / theirs) } else { String::new() };
         row.extend([html! { (format!("{ours:.3}")) }, html! { (format!("{theirs:.3}")) }, html! { (difference) }]);
     }
+    let why = PUBLISHED.iter().find(|p| p.scene == scene).map_or("", |p| p.why);
+    row.push(html! { (why) });
     row
 }

@@ -6,7 +6,7 @@ use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::Protocol;
 use crate::run::Lesson;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct Blend;
@@ -38,12 +38,8 @@ impl Experiment for Blend {
         }
         let to_build: Vec<(Spec, &Lesson)> = wanted.iter().map(|&(spec, _)| (spec, &lesson)).collect();
         let built = lab.build(&to_build, found);
-        let entrants: Vec<Entrant<'_>> = built
-            .iter()
-            .zip(wanted)
-            .filter_map(|(built, (_, settings))| Some(Entrant { built: built.as_ref()?, settings }))
-            .collect();
-        lab.measure(&entrants, &lab.rays(&view, mode), found);
+        let settings: Vec<Vec<Setting>> = wanted.into_iter().map(|(_, settings)| settings).collect();
+        lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::Protocol;
 use crate::run::Lesson;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct Controls;
@@ -46,12 +46,7 @@ impl Experiment for Controls {
             settings[0].push(Setting::named(setting));
         }
         let built = lab.build(&wanted, found);
-        let entrants: Vec<Entrant<'_>> = built
-            .iter()
-            .zip(settings)
-            .filter_map(|(built, settings)| Some(Entrant { built: built.as_ref()?, settings }))
-            .collect();
-        lab.measure(&entrants, &lab.rays(&view, mode), found);
+        lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use crate::measure::tally;
 use crate::plan::Protocol;
 use crate::rows::Curve;
 use crate::run::{Built, Lesson};
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct HowMany;
@@ -53,12 +53,7 @@ impl Experiment for HowMany {
             }
         }
         let built = lab.build(&wanted, found);
-        let entrants: Vec<Entrant<'_>> = built
-            .iter()
-            .zip(settings)
-            .filter_map(|(built, settings)| Some(Entrant { built: built.as_ref()?, settings }))
-            .collect();
-        lab.measure(&entrants, &lab.rays(&view, mode), found);
+        lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
         let [Some(base), others @ ..] = &built[..] else { return Ok(()) };
         for (i, &spec) in specs.iter().enumerate() {
             let of_spec = others.chunks(specs.len()).map(|of_lesson| of_lesson[i].as_ref());

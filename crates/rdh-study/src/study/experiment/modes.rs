@@ -3,7 +3,7 @@
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::Protocol;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct Modes;
@@ -29,10 +29,8 @@ impl Experiment for Modes {
         let lesson = lab.lesson(&view, mode, Protocol::Unseen, lab.plan.training);
         let wanted: Vec<_> = specs(SPECS)?.into_iter().map(|spec| (spec, &lesson)).collect();
         let built = lab.build(&wanted, found);
-        let settings = vec![Setting::named("unseen rays of the same view")];
-        let entrants: Vec<_> =
-            built.iter().flatten().map(|built| Entrant { built, settings: settings.clone() }).collect();
-        lab.measure(&entrants, &lab.rays(&view, mode), found);
+        let settings = vec![vec![Setting::named("unseen rays of the same view")]; built.len()];
+        lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use rdh::{Accel, Ray};
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::Protocol;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct Occlusion;
@@ -37,10 +37,8 @@ impl Experiment for Occlusion {
         let lesson = lab.lesson(&view, Mode::Primary, Protocol::Unseen, lab.plan.training);
         let wanted: Vec<_> = specs(SPECS)?.into_iter().map(|spec| (spec, &lesson)).collect();
         let built = lab.build(&wanted, found);
-        let settings = vec![class_of(depth)];
-        let entrants: Vec<_> =
-            built.iter().flatten().map(|built| Entrant { built, settings: settings.clone() }).collect();
-        lab.measure(&entrants, &batches, found);
+        let settings = vec![vec![class_of(depth)]; built.len()];
+        lab.measure(&entrants(&built, &settings), &batches, found);
         for row in &mut found.rows {
             row.depth_complexity = Some(depth);
         }

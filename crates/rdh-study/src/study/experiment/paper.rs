@@ -5,7 +5,7 @@ use rdh::Spec;
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::Protocol;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
 
 pub(super) struct Paper;
@@ -38,10 +38,8 @@ impl Experiment for Paper {
         }
         let to_build: Vec<_> = wanted.iter().map(|&(_, spec)| (spec, &lesson)).collect();
         let built = lab.build(&to_build, found);
-        let entrant =
-            |(built, (setting, _)): (_, &(&str, Spec))| Entrant { built, settings: vec![Setting::named(*setting)] };
-        let entrants: Vec<_> = built.iter().zip(&wanted).filter_map(|(b, w)| Some(entrant((b.as_ref()?, w)))).collect();
-        lab.measure(&entrants, &lab.rays(&view, mode), found);
+        let settings: Vec<Vec<Setting>> = wanted.iter().map(|(setting, _)| vec![Setting::named(*setting)]).collect();
+        lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
         for row in &mut found.rows {
             row.protocol = Protocol::Paper;
         }

@@ -7,7 +7,7 @@ use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::{Mode, RayBatch, derived_seed};
 use crate::plan::Protocol;
 use crate::run::Built;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Entrant, Setting, entrants};
 use crate::study::lines::uniform_lines;
 use crate::study::scope::Sample;
 
@@ -62,10 +62,8 @@ fn rules(lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
     }
     let to_build: Vec<_> = wanted.iter().map(|&(_, spec)| (spec, &lesson)).collect();
     let built = lab.build(&to_build, found);
-    let found_built = built.iter().zip(&wanted).filter_map(|(b, w)| Some((b.as_ref()?, w.0)));
-    let entrants: Vec<_> =
-        found_built.map(|(built, setting)| Entrant { built, settings: vec![Setting::named(setting)] }).collect();
-    lab.measure(&entrants, &lab.rays(&view, mode), found);
+    let settings: Vec<Vec<Setting>> = wanted.iter().map(|(setting, _)| vec![Setting::named(*setting)]).collect();
+    lab.measure(&entrants(&built, &settings), &lab.rays(&view, mode), found);
     Ok(())
 }
 

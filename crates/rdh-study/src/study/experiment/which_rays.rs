@@ -64,7 +64,11 @@ impl Experiment for WhichRays {
         let sources = match (on_path.is_some(), lab.frame) {
             (true, _) => along("camera path", &DISTANCES),
             (false, 0) => at_rest(lab, &view),
-            (false, last) => along("animation", &[1, 2, 4, last]),
+            (false, last) => {
+                let mut distances: Vec<u32> = [1, 2, 4, last].into_iter().filter(|&k| k <= last).collect();
+                distances.dedup();
+                along("animation", &distances)
+            }
         };
         let lessons =
             sources.into_iter().map(|(setting, source)| Ok((setting, lab.site().lesson(&source, &view, mode)?)));
