@@ -6,6 +6,7 @@ use super::link::Link;
 use crate::error::{Error, Result};
 use crate::geom::Vec3;
 use crate::mem::{reserve, settled};
+use crate::options::Watch;
 use crate::simd::{Block, Boxes, LANES};
 
 /// A finished tree's arrays.
@@ -37,9 +38,11 @@ pub(crate) fn lay_out<const W: usize>(
     cuts: &Cuts<W>,
     weights: impl Fn(usize) -> f32,
     corners: impl Fn(u32) -> [Vec3; 3],
+    watch: &Watch<'_>,
 ) -> Result<Arrays<W>> {
     let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
-    let mut layout = Layout { binary, ids, cuts, weights, corners, arrays, open: Vec::new(), gathered: Vec::new() };
+    let (open, gathered) = (Vec::new(), Vec::new());
+    let mut layout = Layout { binary, ids, cuts, weights, corners, watch, arrays, open, gathered };
     if binary.is_empty() {
         layout.new_node()?;
     } else {
@@ -56,6 +59,7 @@ struct Layout<'a, F, G, const W: usize> {
     cuts: &'a Cuts<W>,
     weights: F,
     corners: G,
+    watch: &'a Watch<'a>,
     arrays: Arrays<W>,
     /// Blocks with room: which, and the first free lane.
     open: Vec<(usize, usize)>,
@@ -79,6 +83,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
         let mut todo = vec![ToPlace { node: 0, parent: None, depth: 0 }];
         while let Some(ToPlace { node, parent, depth }) = todo.pop() {
             let place = self.new_node()?;
+            self.watch.check_at(place)?;
             if let Some((parent, lane)) = parent {
                 self.arrays.nodes[parent].links[lane] = Link::node(place).0;
             }

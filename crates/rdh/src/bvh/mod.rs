@@ -70,6 +70,11 @@ impl<const W: usize> Bvh<W> {
         if let Some(limit) = options.max_refs.filter(|&limit| limit < mesh.len()) {
             return Err(Error::OverBudget { what: "references", limit });
         }
+        // Blocks beyond the last one that links can name would only be noticed after hours.
+        let most = Link::MAX_BLOCKS * LANES;
+        if mesh.len() > most {
+            return Err(Error::OverBudget { what: "triangles", limit: most });
+        }
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
         let bounds = mesh.bounds();
@@ -102,7 +107,7 @@ impl<const W: usize> Bvh<W> {
             _ => nodes,
         };
         let weights = match guide {
-            Some(rdh) => Visits::measure(&nodes, rdh)?,
+            Some(rdh) => Visits::measure(&nodes, rdh, &watch)?,
             None => Visits::by_area(&nodes)?,
         };
         watch.check_cancelled()?;
@@ -116,7 +121,7 @@ impl<const W: usize> Bvh<W> {
             None if spec.spatial => weights.stops[i] / counts[i] as f32,
             None => weights.stops[i],
         };
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)))?;
+        let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)), &watch)?;
         let Arrays { nodes, blocks, tally } = arrays;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
