@@ -106,6 +106,33 @@ fn a_build_can_be_cancelled_and_reports_progress() {
     }
 }
 
+/// Every stage asks often enough, and wherever it is told to stop, it does.
+#[test]
+fn builds_can_be_cancelled_in_every_stage() {
+    let mesh = terrain(120);
+    let rays = training(&mesh);
+    let cancelled_at = |spec: &Spec, limit: usize| {
+        let asked = AtomicUsize::new(0);
+        let cancel = || asked.fetch_add(1, Ordering::Relaxed) >= limit;
+        let options = BuildOptions { threads: Some(1), cancel: Some(&cancel), ..BuildOptions::default() };
+        (build(&mesh, spec, &rays, &options).err(), asked.into_inner())
+    };
+    let often = ["bvh8+sah", "bvh8(high)+sah", "bvh8+rdh", "sbvh8(high)+rdh"].map(|text| {
+        let spec: Spec = text.parse().expect(text);
+        let (error, often) = cancelled_at(&spec, usize::MAX);
+        assert_eq!(error, None, "{text}");
+        for limit in (0..often).step_by(often.div_ceil(4)).chain([often - 1]) {
+            let (error, asked) = cancelled_at(&spec, limit);
+            assert_eq!(error, Some(Error::Cancelled), "{text}, {limit} of {often}");
+            // Subtrees that others have begun ask once more each.
+            assert!(asked <= limit + 8, "{text}: asked {asked} times, cancelled at {limit}");
+        }
+        often
+    });
+    let [plain, high, guided, _] = often;
+    assert!(high >= plain + 8 && guided >= plain + 8, "moves and visits are asked about too: {often:?}");
+}
+
 /// Memory and nodes grow no faster than the mesh, and steps a ray only as its logarithm.
 #[test]
 fn trees_grow_with_their_meshes() {
