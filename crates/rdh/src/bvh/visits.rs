@@ -16,6 +16,9 @@ pub(crate) struct Visits {
 
 /// The weight of areas among stops, in rays.
 const STOP_PRIOR: f32 = 1.0;
+/// A child that none of a node's rays visits keeps this part of its chance by area. Were it 0, whatever is done below it would
+/// cost nothing: no cut would be cheaper than another, and the first one, into nodes of two, would be taken.
+const LEAST: f32 = 1e-4;
 
 impl Visits {
     /// Areas for both.
@@ -57,7 +60,8 @@ impl Visits {
                 let (part, ended) = rdh.weigh_node(&of_child);
                 let area = nodes[child].0.half_area();
                 let of_node = ratio(area, nodes[node].0.half_area());
-                visits.chances[child] = visits.chances[node] * rdh.chance(part, all, of_node);
+                let chance = rdh.chance(part, all, of_node).max(LEAST * of_node);
+                visits.chances[child] = visits.chances[node] * chance;
                 visits.stops[child] = (ended + STOP_PRIOR * ratio(area, whole)) / (stopped + STOP_PRIOR);
                 todo.push((child, of_child, part));
             }
@@ -109,6 +113,14 @@ mod tests {
         let visits = measured(&spec, training);
         assert_eq!(visits.chances, [1.0, 0.75, 0.25]);
         assert!(visits.stops[1] > 0.75 && visits.stops[2] < 0.25, "{:?}", visits.stops);
+    }
+
+    #[test]
+    fn what_no_ray_visits_keeps_a_small_chance() {
+        let along = sample([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], Some(1.5), Query::Closest);
+        let spec = RdhSpec { blend: crate::heuristic::Blend::Confidence { prior: 0.0 }, ..RdhSpec::default() };
+        let visits = measured(&spec, Training::from_samples(vec![along]));
+        assert_eq!(visits.chances, [1.0, 1.0, LEAST * (3.0 / 9.0)]);
     }
 
     #[test]
