@@ -15,9 +15,9 @@ pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx2>()
 }
 
-/// AVX2; used only inside [`enter`].
+/// AVX2. Named only in [`enter`] and by AVX-512, which needs AVX2 too: the kernels run nowhere else.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Avx2;
+pub(super) struct Avx2;
 
 /// A frame in registers.
 #[derive(Clone, Copy)]
@@ -40,8 +40,9 @@ pub(super) struct Limits {
     pub(super) surely_to: __m256,
 }
 
-// SAFETY, for every block below: `Avx2` is named only in `enter`, whose caller has made sure of AVX2; loads and stores
-// are unaligned ones, within the references they are made from.
+// SAFETY, for every block below: `Avx2` is named only in `enter` and in `avx512.rs`, whose `enter` asks for AVX2 as well; callers of
+// both have made sure of the instructions. Loads and stores lie within the references they are made from, and are unaligned ones
+// but where the block says otherwise.
 impl Kernels for Avx2 {
     type Frame = Frame;
     type BoxRay = WideRay;
@@ -126,7 +127,8 @@ impl Kernels for Avx2 {
 
     #[inline(always)]
     fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
-        // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
+        const { assert!(W == 2 || W == 4 || W == 8, "no such boxes") }
+        // SAFETY: see above; `W` is 2, 4 or 8. Eight lanes are stored aligned: `t` has as many, and is aligned to 32 bytes.
         unsafe {
             if W == 8 {
                 let (near, far) = enter_and_leave(ray, boxes);
@@ -221,7 +223,7 @@ static AXES: [Axes; 8] = [Z, Z, Y, Y, Z, X, Y, X];
 /// [`RayFrame::new`] without a branch: which component is the longest is as good as random. Both halves of a register do the same.
 #[inline(always)]
 fn frames(ray: &Ray) -> (RayFrame, Frame) {
-    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
+    // SAFETY: as in `Avx2`; a ray begins with seven floats, in this order: origin, direction and `t_min`.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
         let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
@@ -302,7 +304,7 @@ const LEAST: [f32; 4] = {
 /// [`BoxRay::new`] for nearly all rays: valid, and with nothing to be scaled.
 #[inline(always)]
 fn usual(ray: &Ray, scale: Scale, magnitude: f32) -> Option<AxesRay> {
-    // SAFETY: as in `Avx2`; a ray has nine floats, of which the first seven are loaded.
+    // SAFETY: as in `Avx2`; a ray begins with seven floats, in this order: origin, direction and `t_min`.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
         // Twice in a register, so that the axes can be spread by the fast shuffles, which stay within halves.
