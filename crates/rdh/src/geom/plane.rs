@@ -25,6 +25,11 @@ impl Scale {
     pub fn scaled(self, bounds: &Aabb) -> Aabb {
         Aabb { min: bounds.min.map(|x| x * self.0), max: bounds.max.map(|x| x * self.0) }
     }
+
+    /// A box of the scaled space as it is in the mesh's.
+    pub fn unscaled(self, bounds: &Aabb) -> Aabb {
+        Aabb { min: bounds.min.map(|x| x / self.0), max: bounds.max.map(|x| x / self.0) }
+    }
 }
 
 /// Whether `x`, not negative, lies within 2^±`range`; or is 0.
