@@ -2,7 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, Spans, WideRay, enter_and_leave, enter_and_leave_few, spans, store_few};
+use super::avx2::{Avx2, Frame, Spans, spans};
+use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
