@@ -136,8 +136,7 @@ impl Build<'_> {
         let Grown { nodes, ids } = grown;
         let weights = self.weights(&nodes)?;
         self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
-        self.watch.check_cancelled()?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.watch)?;
         // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
         // cost; but where spatial splits made them, a large child that holds little is soon done with.
         let order = |i: usize| match self.guide {

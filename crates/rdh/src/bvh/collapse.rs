@@ -14,6 +14,7 @@
 use super::binary::BinaryNode;
 use crate::error::Result;
 use crate::mem::reserve;
+use crate::options::Watch;
 use crate::simd::LANES;
 
 /// What a wide tree costs: a visit of a node, and a test of eight triangles.
@@ -43,7 +44,12 @@ struct Cut<const W: usize> {
 
 impl<const W: usize> Cuts<W> {
     /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. O(N W²).
-    pub(crate) fn cheapest(nodes: &[BinaryNode], costs: Costs, visits: impl Fn(usize) -> f32) -> Result<Self> {
+    pub(crate) fn cheapest(
+        nodes: &[BinaryNode],
+        costs: Costs,
+        visits: impl Fn(usize) -> f32,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
         let (mut cuts, mut forests, mut counts) = (Vec::new(), Vec::new(), Vec::new());
         reserve(&mut cuts, nodes.len(), "cuts")?;
         reserve(&mut forests, nodes.len(), "cuts")?;
@@ -53,6 +59,7 @@ impl<const W: usize> Cuts<W> {
         counts.resize(nodes.len(), 0u32);
         // In preorder children come after their parents: backwards they are done first.
         for (i, node) in nodes.iter().enumerate().rev() {
+            watch.check_at(i)?;
             let weight = visits(i);
             let test = weight * costs.test;
             if !node.is_interior() {
