@@ -86,6 +86,7 @@ impl BoxRay {
     }
 
     /// A bit an axis: 1 where the ray runs down the axis and meets the upper plane first.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(crate) fn down(&self) -> usize {
         self.near(0) | self.near(1) << 1 | self.near(2) << 2
