@@ -9,11 +9,12 @@ use crate::error::{Error, Result};
 pub struct BuildOptions<'a> {
     /// How many threads may build; `None` is rayon's current pool. The result is the same on any number.
     pub threads: Option<usize>,
-    /// At most so many references to triangles; `None` is 8 times the triangles plus 1,000. Subtrees that would need
-    /// more become leaves.
+    /// At most so many references to triangles, not fewer than there are triangles. `None` is 8 times the triangles plus 1,000 for
+    /// a kd-tree, whose subtrees that would need more become leaves; and 1½ times the triangles for a hierarchy with spatial
+    /// splits, which never has more than that and cuts no further. Other hierarchies have one a triangle whatever stands here.
     pub max_refs: Option<usize>,
-    /// At most so many bytes for the finished structure. Subtrees that would need more become leaves; if even
-    /// a single leaf needs more, the build fails.
+    /// At most so many bytes for the finished structure. Subtrees of a kd-tree that would need more become leaves, and if even a
+    /// single leaf needs more, the build fails. A bounding volume hierarchy is built first and fails if it has become too large.
     pub max_bytes: Option<usize>,
     /// At most so many levels of a kd-tree; `None` is what the stop rule says (1.3 log2 N + 8, or 1.2 log2 N + 2 for
     /// `stop=paper`), never more than 64. A bounding volume hierarchy stops where leaves are small, and its binary tree has at
@@ -46,6 +47,14 @@ impl<'a> Watch<'a> {
         }
         if self.cancelled.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
     }
+
+    /// Asks once in so many steps of a loop, to be called with the number of each.
+    pub(crate) fn check_at(&self, step: usize) -> Result<()> {
+        if step.is_multiple_of(Self::STEPS) { self.check_cancelled() } else { Ok(()) }
+    }
+
+    /// Steps between two questions: a millisecond or so of work on nodes.
+    pub(crate) const STEPS: usize = 1024;
 
     /// Counts a leaf's references against the number of primitives. Perfect splits make more of the former, so progress
     /// runs ahead and then waits.

@@ -131,6 +131,36 @@ fn invalid_rays_hit_nothing() {
     }
 }
 
+/// Where a ray starts so far away that no box can be told from another, it still meets all of them, and of triangles that are
+/// equally near the smallest id wins.
+#[test]
+fn rays_from_the_end_of_the_world_miss_nothing() {
+    let at = |i: u32| ((i * 37 + 11) % 64) as f32 * 0.01;
+    let corners = |x: f32| [[x, -1.0, -1.0], [x, 2.0, -1.0], [x, -1.0, 2.0]];
+    let points = (0..64).flat_map(|i| corners(at(i))).collect();
+    let mesh = Mesh::new(points, (0..64).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh");
+    let from = |x: f32, along: f32| Ray::new([x, 0.0, 0.0], [along, 0.0, 0.0]);
+    let rays = [
+        from(-3e38, 1.0).within(2.9e38, f32::INFINITY),
+        from(3e38, -1.0).within(2.9e38, f32::INFINITY),
+        from(3e38, 1.0).within(f32::NEG_INFINITY, -2.9e38),
+        from(-3e38, -1.0).within(f32::NEG_INFINITY, -2.9e38),
+        from(3e38, 1.0).within(f32::NEG_INFINITY, f32::INFINITY),
+    ];
+    for (spec, ray) in SPECS.iter().flat_map(|spec| rays.map(|ray| (spec, ray))) {
+        let accel = build_spec(&mesh, spec);
+        for level in Level::available() {
+            let (accel, at) = (accel.clone().with_level(level), format!("{spec}, {}, {ray:?}", level.name()));
+            let hit = accel.closest(&ray);
+            assert_eq!((bits(hit), hit.map(|h| h.tri.0)), (bits(naive::closest(&mesh, &ray)), Some(0)), "{at}");
+            assert!(accel.occluded(&ray), "{at}");
+            let mut hits = Vec::new();
+            accel.all_hits(&ray, &mut hits);
+            assert_eq!(hits, naive::all_hits(&mesh, &ray), "{at}");
+        }
+    }
+}
+
 #[test]
 fn both_ends_of_the_interval_count() {
     let mesh = common::meshes::soup(200, 0.3, 21);

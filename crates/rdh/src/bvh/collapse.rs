@@ -14,6 +14,7 @@
 use super::binary::BinaryNode;
 use crate::error::Result;
 use crate::mem::reserve;
+use crate::options::Watch;
 use crate::simd::LANES;
 
 /// What a wide tree costs: a visit of a node, and a test of eight triangles.
@@ -28,6 +29,8 @@ pub(crate) struct Cuts<const W: usize> {
     cuts: Vec<Cut<W>>,
     /// What each subtree costs as one root.
     costs: Vec<f32>,
+    /// How many references each subtree has.
+    counts: Vec<u32>,
 }
 
 /// How a subtree is cut, for each number of roots.
@@ -41,7 +44,12 @@ struct Cut<const W: usize> {
 
 impl<const W: usize> Cuts<W> {
     /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. O(N W²).
-    pub(crate) fn cheapest(nodes: &[BinaryNode], costs: Costs, visits: impl Fn(usize) -> f32) -> Result<Self> {
+    pub(crate) fn cheapest(
+        nodes: &[BinaryNode],
+        costs: Costs,
+        visits: impl Fn(usize) -> f32,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
         let (mut cuts, mut forests, mut counts) = (Vec::new(), Vec::new(), Vec::new());
         reserve(&mut cuts, nodes.len(), "cuts")?;
         reserve(&mut forests, nodes.len(), "cuts")?;
@@ -51,6 +59,7 @@ impl<const W: usize> Cuts<W> {
         counts.resize(nodes.len(), 0u32);
         // In preorder children come after their parents: backwards they are done first.
         for (i, node) in nodes.iter().enumerate().rev() {
+            watch.check_at(i)?;
             let weight = visits(i);
             let test = weight * costs.test;
             if !node.is_interior() {
@@ -60,7 +69,7 @@ impl<const W: usize> Cuts<W> {
             }
             let (l, r) = (i + 1, node.right());
             counts[i] = counts[l].saturating_add(counts[r]);
-            let (parts, lefts) = part(&forests[l], &forests[r]);
+            let (parts, lefts) = share(&forests[l], &forests[r]);
             let whole = weight * costs.node + parts[W - 1];
             let leaf = counts[i] as usize <= LANES && test <= whole;
             let (mut forest, mut left) = ([if leaf { test } else { whole }; W], [0; W]);
@@ -79,7 +88,7 @@ impl<const W: usize> Cuts<W> {
         let mut costs = Vec::new();
         reserve(&mut costs, nodes.len(), "cuts")?;
         costs.extend(forests.iter().map(|forest| forest[0]));
-        Ok(Self { cuts, costs })
+        Ok(Self { cuts, costs, counts })
     }
 
     /// The binary nodes that become the children of a wide node made of `node`, in order.
@@ -110,6 +119,11 @@ impl<const W: usize> Cuts<W> {
         self.costs[node]
     }
 
+    /// The references below a node.
+    pub(crate) fn count(&self, node: usize) -> u32 {
+        self.counts[node]
+    }
+
     /// Whether a node that stays whole becomes a leaf.
     pub(crate) fn is_leaf(&self, nodes: &[BinaryNode], node: usize) -> bool {
         !nodes[node].is_interior() || self.cuts[node].leaf
@@ -118,7 +132,7 @@ impl<const W: usize> Cuts<W> {
 
 /// The cheapest ways to share k roots among two children, k = 2 … W at element k − 1; and what the left one gets.
 #[inline(always)]
-fn part<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W]) {
+fn share<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W]) {
     let (mut parts, mut lefts) = ([f32::INFINITY; W], [0; W]);
     for k in 2..=W {
         for i in 1..k {

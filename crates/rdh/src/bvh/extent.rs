@@ -23,10 +23,10 @@ impl Extent {
     /// Holds nothing.
     pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 3], link: 0, negated_max: [f32::INFINITY; 3], count: 0 };
 
-    /// A box with its payload.
+    /// A box with its payload. Zeros lose their sign: else which one a union keeps would depend on the order of its boxes.
     #[inline(always)]
     pub(crate) fn new(bounds: &Aabb, link: u32, count: u32) -> Self {
-        Self { min: bounds.min, link, negated_max: bounds.max.map(|x| -x), count }
+        Self { min: bounds.min.map(|x| x + 0.0), link, negated_max: bounds.max.map(|x| 0.0 - x), count }
     }
 
     /// The box.
@@ -41,7 +41,7 @@ impl Extent {
         K::lower(bytemuck::cast_mut(self), bytemuck::cast_ref(other));
     }
 
-    /// Half of the box's surface; negative or NaN means nothing for an empty one.
+    /// Half of the box's surface. That of an empty box, infinite or no number, means nothing.
     #[inline(always)]
     pub(crate) fn half_area(&self) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|a| -self.negated_max[a] - self.min[a]);

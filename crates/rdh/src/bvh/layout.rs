@@ -6,6 +6,7 @@ use super::link::Link;
 use crate::error::{Error, Result};
 use crate::geom::Vec3;
 use crate::mem::{reserve, settled};
+use crate::options::Watch;
 use crate::simd::{Block, Boxes, LANES};
 
 /// A finished tree's arrays.
@@ -29,17 +30,19 @@ pub struct Tally {
     pub references: usize,
 }
 
-/// Lays out a binary tree whose leaves hold ranges of `ids`. `weights` says which of a node's children come first;
-/// `corners` gives a triangle's corners.
+/// Lays out a binary tree whose leaves hold ranges of `ids`. Of a node's children those come first for
+/// which `order` gives the most; `corners` gives a triangle's corners.
 pub(crate) fn lay_out<const W: usize>(
     binary: &[BinaryNode],
     ids: &[u32],
     cuts: &Cuts<W>,
-    weights: impl Fn(usize) -> f32,
+    order: impl Fn(usize) -> f32,
     corners: impl Fn(u32) -> [Vec3; 3],
+    watch: &Watch<'_>,
 ) -> Result<Arrays<W>> {
     let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
-    let mut layout = Layout { binary, ids, cuts, weights, corners, arrays, open: Vec::new(), gathered: Vec::new() };
+    let (open, gathered) = (Vec::new(), Vec::new());
+    let mut layout = Layout { binary, ids, cuts, order, corners, watch, arrays, open, gathered };
     if binary.is_empty() {
         layout.new_node()?;
     } else {
@@ -54,8 +57,9 @@ struct Layout<'a, F, G, const W: usize> {
     binary: &'a [BinaryNode],
     ids: &'a [u32],
     cuts: &'a Cuts<W>,
-    weights: F,
+    order: F,
     corners: G,
+    watch: &'a Watch<'a>,
     arrays: Arrays<W>,
     /// Blocks with room: which, and the first free lane.
     open: Vec<(usize, usize)>,
@@ -79,17 +83,18 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
         let mut todo = vec![ToPlace { node: 0, parent: None, depth: 0 }];
         while let Some(ToPlace { node, parent, depth }) = todo.pop() {
             let place = self.new_node()?;
+            self.watch.check_at(place)?;
             if let Some((parent, lane)) = parent {
                 self.arrays.nodes[parent].links[lane] = Link::node(place).0;
             }
             self.arrays.tally.depth = self.arrays.tally.depth.max(depth + 1);
             let (mut children, n) = self.children(node);
             let children = &mut children[..n];
-            children.sort_by(|&a, &b| (self.weights)(b).total_cmp(&(self.weights)(a)));
+            children.sort_by(|&a, &b| (self.order)(b).total_cmp(&(self.order)(a)));
             // Leaves first, so that those of one node share blocks.
-            let mut order: Vec<usize> = (0..n).filter(|&i| self.cuts.is_leaf(self.binary, children[i])).collect();
-            order.sort_by_key(|&i| std::cmp::Reverse(self.count(children[i])));
-            for lane in order {
+            let mut leaves: Vec<usize> = (0..n).filter(|&i| self.cuts.is_leaf(self.binary, children[i])).collect();
+            leaves.sort_by_key(|&i| std::cmp::Reverse(self.cuts.count(children[i])));
+            for lane in leaves {
                 let link = self.place_leaf(children[lane])?;
                 self.arrays.nodes[place].set(lane, &self.binary[children[lane]].0.bounds(), link.0);
             }
@@ -115,16 +120,6 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
         self.arrays.nodes.push(Boxes::NONE);
         self.arrays.tally.interiors += 1;
         Ok(place)
-    }
-
-    /// The references below a node; only asked of small ones.
-    fn count(&self, node: usize) -> usize {
-        let node_ref = &self.binary[node];
-        if node_ref.is_interior() {
-            self.count(node + 1) + self.count(node_ref.right())
-        } else {
-            node_ref.0.count as usize
-        }
     }
 
     fn gather(&mut self, node: usize) {

@@ -1,9 +1,12 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `binary` grows the tree (`split`, `extent`), `spatial` one with cut triangles (`chop`), `reinsert` improves it, `collapse` cuts it into wide nodes, `layout` packs them; `trace` walks
-//! them; `check` proves them.
+//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
+//! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it; `visits` says how often rays come to each node,
+//! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
+//! `check` proves them.
 
 mod binary;
+mod build;
 mod check;
 mod chop;
 mod collapse;
@@ -23,26 +26,12 @@ pub use spec::{BvhSpec, Effort, Width};
 
 use std::sync::Arc;
 
-use binary::{BinaryNode, ByArea};
-use collapse::{Costs, Cuts};
-use extent::Extent;
-use guided::ByRays;
-use layout::Arrays;
 use link::Link;
-use spatial::Grown;
-use split::Search;
-use visits::Visits;
 
-use crate::clip::TriangleClipper;
-use crate::error::{Error, Result};
-use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
-use crate::heuristic::Rdh;
+use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::leaf;
-use crate::mem::reserve;
-use crate::mesh::Mesh;
-use crate::options::{BuildOptions, Watch};
 use crate::probe::Probe;
-use crate::simd::{Block, Boxes, LANES, Level};
+use crate::simd::{Block, Boxes, Level};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles. Plain arrays without pointers.
 #[derive(Debug, Clone)]
@@ -58,74 +47,11 @@ pub struct Bvh<const W: usize> {
     level: Level,
 }
 
-/// What a visit of a node costs, and a test of eight triangles.
-const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
+/// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
+/// choices need no more.
+pub(crate) const RAYS_COUNTED: u32 = 256;
 
 impl<const W: usize> Bvh<W> {
-    /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
-    ///
-    /// # Errors
-    /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
-    pub fn build(mesh: &Mesh, spec: &BvhSpec, guide: Option<&Rdh>, options: &BuildOptions<'_>) -> Result<Self> {
-        if let Some(limit) = options.max_refs.filter(|&limit| limit < mesh.len()) {
-            return Err(Error::OverBudget { what: "references", limit });
-        }
-        let watch = Watch::new(options, mesh.len());
-        watch.check_cancelled()?;
-        let bounds = mesh.bounds();
-        let scale = Scale::of(&bounds);
-        let bounds = scale.scaled(&bounds);
-        let parallel = options.threads != Some(1);
-        let (bins, leaf) = match spec.effort {
-            Effort::Quick => (16, LANES),
-            // Smaller leaves than blocks: where joining them pays, the cuts do it.
-            Effort::Default => (32, 4),
-            Effort::High => (32, 2),
-        };
-        let search = Search { level: Level::best(), parallel, bins, leaf };
-        let mut primitives = primitives(mesh, scale)?;
-        let Grown { nodes, ids } = if primitives.is_empty() {
-            Grown::default()
-        } else if spec.spatial {
-            let most = options.max_refs.unwrap_or(usize::MAX).min(mesh.len() + mesh.len() / SPARE);
-            let clipper = TriangleClipper { mesh, scale: scale.factor() };
-            spatial::grow(primitives, &clipper, search, most - mesh.len(), &watch)?
-        } else {
-            let nodes = match guide {
-                Some(rdh) => binary::grow(&mut primitives, search, &ByRays(rdh), &watch)?,
-                _ => binary::grow(&mut primitives, search, &ByArea, &watch)?,
-            };
-            Grown { nodes, ids: ids(&primitives)? }
-        };
-        let nodes = match spec.effort {
-            Effort::High => reinsert::reinsert(nodes, parallel, &watch)?,
-            _ => nodes,
-        };
-        let weights = match guide {
-            Some(rdh) => Visits::measure(&nodes, rdh)?,
-            None => Visits::by_area(&nodes)?,
-        };
-        watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i])?;
-        watch.check_cancelled()?;
-        let counts = counts(&nodes)?;
-        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
-        // cost; but where spatial splits made them, a large child that holds little is soon done with.
-        let first = |i: usize| match guide {
-            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
-            None if spec.spatial => weights.stops[i] / counts[i] as f32,
-            None => weights.stops[i],
-        };
-        let arrays = layout::lay_out(&nodes, &ids, &cuts, first, |id| mesh.corners(TriId(id)))?;
-        let Arrays { nodes, blocks, tally } = arrays;
-        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
-        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
-        match options.max_bytes {
-            Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
-            _ => Ok(tree),
-        }
-    }
-
     /// The same tree, traced with other instructions: for tests and measurements. The answers are the same.
     pub fn with_level(self, level: Level) -> Self {
         Self { level, ..self }
@@ -162,7 +88,7 @@ impl<const W: usize> Bvh<W> {
 
     /// The box of everything that can be hit.
     pub fn bounds(&self) -> Aabb {
-        self.unscaled(&self.bounds)
+        self.scale.unscaled(&self.bounds)
     }
 
     /// Visits all leaves: box, depth, triangles.
@@ -174,17 +100,12 @@ impl<const W: usize> Bvh<W> {
                 let link = Link(node.links[lane]);
                 if link.is_leaf() {
                     let lanes = link.lane() as usize..(link.lane() + link.count()) as usize;
-                    visit(self.unscaled(&node.get(lane)), depth, &self.blocks[link.block()].ids[lanes]);
+                    visit(self.scale.unscaled(&node.get(lane)), depth, &self.blocks[link.block()].ids[lanes]);
                 } else {
                     todo.push((link.index(), depth + 1));
                 }
             }
         }
-    }
-
-    fn unscaled(&self, bounds: &Aabb) -> Aabb {
-        let back = 1.0 / self.scale.factor();
-        Aabb { min: bounds.min.map(|x| x * back), max: bounds.max.map(|x| x * back) }
     }
 
     /// A hash of all arrays: equal for equal trees.
@@ -194,41 +115,4 @@ impl<const W: usize> Bvh<W> {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
-}
-
-/// The references below each node.
-fn counts(nodes: &[BinaryNode]) -> Result<Vec<u32>> {
-    let mut counts = Vec::new();
-    reserve(&mut counts, nodes.len(), "nodes")?;
-    counts.resize(nodes.len(), 0);
-    // In preorder children come after their parents: backwards they are done first.
-    for (i, node) in nodes.iter().enumerate().rev() {
-        counts[i] = if node.is_interior() { counts[i + 1] + counts[node.right()] } else { node.0.count };
-    }
-    Ok(counts)
-}
-
-/// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
-/// choices need no more.
-pub(crate) const RAYS_COUNTED: u32 = 256;
-
-/// Spatial splits may add one reference to so many.
-const SPARE: usize = 2;
-
-fn ids(primitives: &[Extent]) -> Result<Vec<u32>> {
-    let mut ids = Vec::new();
-    reserve(&mut ids, primitives.len(), "references")?;
-    ids.extend(primitives.iter().map(|p| p.link));
-    Ok(ids)
-}
-
-/// The box and id of every triangle, in scaled space.
-fn primitives(mesh: &Mesh, scale: Scale) -> Result<Vec<Extent>> {
-    let mut primitives = Vec::new();
-    reserve(&mut primitives, mesh.len(), "references")?;
-    primitives.extend((0..mesh.len() as u32).map(|id| {
-        let corners = mesh.corners(TriId(id)).map(|c| c.map(|x| x * scale.factor()));
-        Extent::new(&Aabb::around(&corners), id, 0)
-    }));
-    Ok(primitives)
 }

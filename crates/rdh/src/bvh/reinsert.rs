@@ -23,17 +23,22 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
     if nodes.is_empty() {
         return Ok(nodes);
     }
-    let mut tree = Tree::new(&nodes)?;
+    let (mut tree, mut before) = (Tree::new(&nodes)?, Tree::new(&nodes)?);
+    let mut round = Round::new(nodes.len())?;
+    let mut cost = tree.cost();
     for _ in 0..ROUNDS {
         watch.check_cancelled()?;
-        let before = (tree.links.clone(), tree.extents.clone());
-        if !tree.round(parallel)? {
+        before.copy_from(&tree);
+        if !tree.improve(&mut round, parallel, watch)? {
             break;
         }
-        if tree.depth() > DEEPEST {
-            (tree.links, tree.extents) = before;
+        // Each move gains by itself; what several of them do to the same ancestors was not asked.
+        let now = tree.cost();
+        if now >= cost || tree.depth() > DEEPEST {
+            tree = before;
             break;
         }
+        cost = now;
     }
     tree.in_preorder(nodes)
 }
@@ -59,6 +64,25 @@ struct Move {
     gain: f32,
 }
 
+/// What a round needs memory for.
+struct Round {
+    candidates: Vec<u32>,
+    moves: Vec<Move>,
+    /// The nodes that a move has changed or relied on.
+    touched: Vec<bool>,
+}
+
+impl Round {
+    fn new(n: usize) -> Result<Self> {
+        let (mut candidates, mut moves, mut touched) = (Vec::new(), Vec::new(), Vec::new());
+        reserve(&mut candidates, n, "nodes")?;
+        reserve(&mut moves, n.div_ceil(SHARE), "moves")?;
+        reserve(&mut touched, n, "nodes")?;
+        touched.resize(n, false);
+        Ok(Self { candidates, moves, touched })
+    }
+}
+
 impl Tree {
     fn new(nodes: &[BinaryNode]) -> Result<Self> {
         let (mut extents, mut links) = (Vec::new(), Vec::new());
@@ -74,33 +98,59 @@ impl Tree {
         Ok(Self { extents, links })
     }
 
+    fn copy_from(&mut self, other: &Self) {
+        self.extents.copy_from_slice(&other.extents);
+        self.links.copy_from_slice(&other.links);
+    }
+
+    /// The sum of the interior nodes' half areas.
+    fn cost(&self) -> f64 {
+        let interiors = self.links.iter().zip(&self.extents).filter(|(links, _)| links.children[0] != 0);
+        interiors.map(|(_, extent)| f64::from(extent.half_area())).sum()
+    }
+
     /// Searches and moves once; whether anything moved.
-    fn round(&mut self, parallel: bool) -> Result<bool> {
-        let candidates = self.candidates()?;
-        let mut moves: Vec<Move> = if parallel {
-            candidates.par_iter().filter_map(|&node| self.best_move(node)).collect()
-        } else {
-            candidates.iter().filter_map(|&node| self.best_move(node)).collect()
-        };
-        moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
-        let mut touched = vec![false; self.links.len()];
+    fn improve(&mut self, round: &mut Round, parallel: bool, watch: &Watch<'_>) -> Result<bool> {
+        let Round { candidates, moves, touched } = round;
+        self.choose_candidates(candidates);
+        self.search(candidates, moves, parallel, watch)?;
+        touched.fill(false);
         let mut any = false;
-        for step in moves {
-            let nodes = self.nodes_of(&step);
+        for (i, step) in moves.iter().enumerate() {
+            watch.check_at(i)?;
+            let nodes = self.nodes_of(step);
             if nodes.iter().any(|&node| touched[node as usize]) || self.is_below(step.to, step.node) {
                 continue;
             }
             nodes.iter().for_each(|&node| touched[node as usize] = true);
-            self.apply(&step);
+            self.apply(step);
             any = true;
         }
         Ok(any)
     }
 
+    /// The candidates' best moves, as far as they gain: those that gain most come first.
+    fn search(&self, candidates: &[u32], moves: &mut Vec<Move>, parallel: bool, watch: &Watch<'_>) -> Result<()> {
+        moves.clear();
+        moves.extend(candidates.iter().map(|&node| Move { node, to: node, gain: 0.0 }));
+        let search = |moves: &mut [Move]| {
+            watch.check_cancelled()?;
+            moves.iter_mut().for_each(|best| *best = self.best_move(best.node));
+            Ok(())
+        };
+        if parallel {
+            moves.par_chunks_mut(Watch::STEPS).try_for_each(search)?;
+        } else {
+            moves.chunks_mut(Watch::STEPS).try_for_each(search)?;
+        }
+        moves.retain(|step| step.gain > 0.0 && step.to != step.node && step.to != self.sibling(step.node));
+        moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
+        Ok(())
+    }
+
     /// The nodes with the largest boxes, but for the root and its children.
-    fn candidates(&self) -> Result<Vec<u32>> {
-        let mut candidates = Vec::new();
-        reserve(&mut candidates, self.links.len(), "nodes")?;
+    fn choose_candidates(&self, candidates: &mut Vec<u32>) {
+        candidates.clear();
         candidates.extend((1..self.links.len() as u32).filter(|&node| self.links[node as usize].parent != 0));
         let key = |&node: &u32| (std::cmp::Reverse(self.area(node).to_bits()), node);
         let most = candidates.len().div_ceil(SHARE);
@@ -109,7 +159,6 @@ impl Tree {
             candidates.truncate(most);
         }
         candidates.sort_unstable();
-        Ok(candidates)
     }
 
     fn area(&self, node: u32) -> f32 {
@@ -127,8 +176,8 @@ impl Tree {
         if a == node { b } else { a }
     }
 
-    /// The best new place of a subtree. Goes up from it; from each ancestor down the other side, as long as a gain is possible.
-    fn best_move(&self, node: u32) -> Option<Move> {
+    /// The best new place of a subtree, or none that gains. Goes up from it; from each ancestor down the other side, as long as a gain is possible.
+    fn best_move(&self, node: u32) -> Move {
         let extent = &self.extents[node as usize];
         let (area, parent) = (extent.half_area(), self.links[node as usize].parent);
         let mut best = Move { node, to: node, gain: 0.0 };
@@ -164,7 +213,7 @@ impl Tree {
             side = self.sibling(pivot);
             pivot = self.links[pivot as usize].parent;
         }
-        (best.gain > 0.0 && best.to != node && best.to != self.sibling(node)).then_some(best)
+        best
     }
 
     /// Whether a node lies in a subtree: earlier moves of the round may have put it there.

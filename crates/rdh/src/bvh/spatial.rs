@@ -114,8 +114,11 @@ impl<C: Clipper> Grower<'_, C> {
         let object = self.search.best(&references, &todo.centres);
         if let Some(spatial) = self.spatial(&references, &todo, object.as_ref()) {
             let (left, right) = spatial.part(&references, self.clipper)?;
-            // A cut that leaves all references on both sides gets nowhere.
-            if !left.is_empty() && !right.is_empty() && left.len().max(right.len()) < n {
+            // A cut that leaves all references on both sides gets nowhere. And bins only estimate how many it adds: planes and
+            // bins may part references otherwise.
+            let added = (left.len() + right.len()).saturating_sub(n);
+            let parts = !left.is_empty() && !right.is_empty() && left.len().max(right.len()) < n;
+            if parts && added <= todo.spare {
                 return Ok(self.sides(left, right, &todo, n));
             }
         }
@@ -163,7 +166,7 @@ impl<C: Clipper> Grower<'_, C> {
     /// What both sides are to become, with their shares of the references to spare.
     fn sides(&self, left: Vec<Extent>, right: Vec<Extent>, todo: &Todo, n: usize) -> [Side; 2] {
         let total = left.len() + right.len();
-        let spare = todo.spare - (total - n).min(todo.spare);
+        let spare = todo.spare - (total - n);
         let of_left = (spare as u128 * left.len() as u128 / total as u128) as usize;
         [(left, of_left), (right, spare - of_left)].map(|(side, spare)| {
             let (extent, centres) = self.search.measure(&side);

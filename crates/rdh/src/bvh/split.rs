@@ -152,14 +152,26 @@ impl Search {
     /// The cheapest split, unless all centres coincide. O(n).
     pub(crate) fn best(&self, primitives: &[Extent], centres: &Centres) -> Option<Split> {
         let grid = Grid::over(centres, primitives.len(), self.bins)?;
-        if !self.parallel || primitives.len() <= 2 * CHUNK {
+        if !self.is_shared(primitives) {
+            // At once: most nodes are small, and bins need not be kept.
             return self.level.run(Find { primitives, grid });
+        }
+        self.level.run(Choose { bins: &self.bins(primitives, grid), grid })
+    }
+
+    /// Whether several threads put primitives into bins.
+    fn is_shared(&self, primitives: &[Extent]) -> bool {
+        self.parallel && primitives.len() > 2 * CHUNK
+    }
+
+    fn bins(&self, primitives: &[Extent], grid: Grid) -> Box<Bins> {
+        if !self.is_shared(primitives) {
+            return self.level.run(Fill { primitives, grid });
         }
         use rayon::prelude::*;
         let chunks = primitives.par_chunks(CHUNK).map(|primitives| self.level.run(Fill { primitives, grid }));
         // Minima and sums of integers: any order gives the same.
-        let bins = chunks.reduce(|| Box::new(Bins::EMPTY), |a, b| Box::new(a.merge(&b)));
-        self.level.run(Choose { bins: &bins, grid })
+        chunks.reduce(|| Box::new(Bins::EMPTY), |a, b| Box::new(a.merge(&b)))
     }
 
     /// The cheapest split where the chances that a ray in the node visits what lies on each side come from `chances`: of the boxes of
@@ -171,7 +183,7 @@ impl Search {
         mut chances: impl FnMut(&Sides<'_>, &mut [f32], &mut [f32]),
     ) -> Option<Split> {
         let grid = Grid::over(centres, primitives.len(), self.bins)?;
-        let bins = self.level.run(Fill { primitives, grid });
+        let bins = self.bins(primitives, grid);
         let last = grid.last as usize;
         let (mut best_cost, mut best) = (f32::INFINITY, None);
         for axis in (0..3).filter(|&a| grid.scale[a] != 0.0) {

@@ -25,6 +25,11 @@ impl Scale {
     pub fn scaled(self, bounds: &Aabb) -> Aabb {
         Aabb { min: bounds.min.map(|x| x * self.0), max: bounds.max.map(|x| x * self.0) }
     }
+
+    /// A box of the scaled space as it is in the mesh's.
+    pub fn unscaled(self, bounds: &Aabb) -> Aabb {
+        Aabb { min: bounds.min.map(|x| x / self.0), max: bounds.max.map(|x| x / self.0) }
+    }
 }
 
 /// Whether `x`, not negative, lies within 2^±`range`; or is 0.
@@ -58,11 +63,11 @@ pub struct PlaneFrame {
     pub slack: f32,
     /// … and that in `t`.
     pub pad: Vec3,
-    /// The ray's own interval, in this space.
+    /// The ray's own interval, in this space; without ends for a ray that starts too far away.
     pub t_min: f32,
-    /// The ray's own interval, in this space.
+    /// The ray's own interval, in this space; without ends for a ray that starts too far away.
     pub t_max: f32,
-    /// This space's `t` for 1 of the ray's.
+    /// This space's `t` for 1 of the ray's; 0 for a ray that starts too far away.
     t_scale: f64,
 }
 
@@ -112,15 +117,22 @@ impl PlaneFrame {
         // Powers of two: the reciprocal is exact.
         let t_scale = f64::from(scale.factor()) * f64::from(1.0 / shorten);
         let origin = ray.origin.map(|x| x * scale.factor());
-        let interval = ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32);
         let slack = RayFrame::slack(origin, magnitude);
         if slack < Self::FAR_SLACK {
+            let interval = ((f64::from(ray.t_min) * t_scale) as f32, (f64::from(ray.t_max) * t_scale) as f32);
             let direction = ray.direction.map(|x| x * shorten);
             return Self::nearby(origin, direction, slack, interval, t_scale);
         }
+        Self::everywhere()
+    }
+
+    /// A ray whose planes cannot be told apart meets every box, wherever it begins and ends: what it hits may lie at any `t`, so
+    /// that its own interval, and where it hit something, are left to the triangle test.
+    fn everywhere() -> Self {
         let (inverse, pad) = ([Self::EVERYWHERE; 3], [f32::MAX / 4.0; 3]);
         let slack = f32::MAX / 4.0 / Self::EVERYWHERE;
-        Self { origin: [0.0; 3], inverse, slack, pad, t_min: interval.0, t_max: interval.1, t_scale }
+        let (t_min, t_max) = (f32::NEG_INFINITY, f32::INFINITY);
+        Self { origin: [0.0; 3], inverse, slack, pad, t_min, t_max, t_scale: 0.0 }
     }
 
     /// Where the ray enters a box and where it leaves it, within its own interval; it misses if that is empty.
@@ -136,7 +148,7 @@ impl PlaneFrame {
         (near, far)
     }
 
-    /// This space's `t` for 1 of the ray's: a power of two.
+    /// This space's `t` for 1 of the ray's: a power of two, or 0 where `t` tells nothing apart.
     #[inline(always)]
     pub(crate) fn t_scale(&self) -> f64 {
         self.t_scale

@@ -12,18 +12,18 @@ mod layout;
 mod node;
 mod radix;
 mod reference;
+mod shown;
 mod spec;
 mod split;
 mod stop;
 mod trace;
-mod walk;
 
 pub use cost::Costs;
 pub use layout::Tally;
 pub use node::{Node, NodeKind};
 pub use reference::Reference;
+pub use shown::Shown;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
-pub use walk::Shown;
 
 use std::sync::Arc;
 
@@ -132,8 +132,7 @@ impl KdTree {
 
     /// The box of everything that can be hit.
     pub fn bounds(&self) -> Aabb {
-        let back = 1.0 / self.scale.factor();
-        Aabb { min: self.bounds.min.map(|x| x * back), max: self.bounds.max.map(|x| x * back) }
+        self.scale.unscaled(&self.bounds)
     }
 
     /// A hash of all arrays: equal for equal trees.

@@ -2,7 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, Spans, WideRay, enter_and_leave, enter_and_leave_few, spans, store_few};
+use super::avx2::{Avx2, Frame, Spans, spans};
+use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -15,12 +16,12 @@ pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx512>()
 }
 
-/// AVX-512; used only inside [`enter`].
+/// AVX-512. Named only in [`enter`]: the kernels run nowhere else.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Avx512;
+pub(super) struct Avx512;
 
 // SAFETY, for every block below: `Avx512` is named only in `enter`, whose caller has made sure of the instructions; loads and
-// stores lie within the references they are made from.
+// stores lie within the references they are made from, and are unaligned ones but where the block says otherwise.
 impl Kernels for Avx512 {
     type Frame = Frame;
     type BoxRay = WideRay;
@@ -83,7 +84,8 @@ impl Kernels for Avx512 {
 
     #[inline(always)]
     fn meet<const W: usize>(ray: &WideRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
-        // SAFETY: see above; `t` is aligned to 32 bytes, which has as many lanes as are stored.
+        const { assert!(W == 2 || W == 4 || W == 8, "no such boxes") }
+        // SAFETY: see above; `W` is 2, 4 or 8. Eight lanes are stored aligned: `t` has as many, and is aligned to 32 bytes.
         unsafe {
             if W == 8 {
                 let (near, far) = enter_and_leave(ray, boxes);

@@ -60,7 +60,7 @@ pub(crate) struct BoxRay {
     pub(crate) t_min: f32,
     /// Where it ends.
     pub(crate) end: f32,
-    /// The boxes' `t` for 1 of the ray's.
+    /// The boxes' `t` for 1 of the ray's; 0 if that tells nothing apart.
     pub(crate) t_scale: f64,
 }
 
@@ -86,6 +86,7 @@ impl BoxRay {
     }
 
     /// A bit an axis: 1 where the ray runs down the axis and meets the upper plane first.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(crate) fn down(&self) -> usize {
         self.near(0) | self.near(1) << 1 | self.near(2) << 2
@@ -97,7 +98,7 @@ impl BoxRay {
         (self.inverse[axis].to_bits() >> 31) as usize
     }
 
-    /// Where a ray ends that hits something at `t` in its own units: a step behind, so that what begins there is seen.
+    /// Where a ray ends that hits something at `t`, a number, in its own units: a step behind, so that what begins there is seen.
     #[inline(always)]
     pub(crate) fn end_for(t: f32, t_scale: f64) -> f32 {
         let t = if t_scale == 1.0 { t } else { (f64::from(t) * t_scale) as f32 };

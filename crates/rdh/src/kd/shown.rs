@@ -24,17 +24,16 @@ pub enum Shown<'a> {
 impl KdTree {
     /// Visits all nodes, each before its children and the left child before the right one: cell, depth, node.
     pub fn walk(&self, visit: &mut dyn FnMut(&Aabb, usize, Shown<'_>)) {
-        let back = 1.0 / self.scale.factor();
         let mut ids = Vec::new();
         let mut todo = vec![(self.root, self.bounds, 0)];
         while let Some((node, cell, depth)) = todo.pop() {
-            let world = Aabb { min: cell.min.map(|x| x * back), max: cell.max.map(|x| x * back) };
+            let world = self.scale.unscaled(&cell);
             match node.kind() {
                 NodeKind::Interior { axis, split, pair } => {
                     let (left, right) = cell.split(axis, split);
                     let [l, r] = self.pairs()[pair as usize];
                     todo.extend([(r, right, depth + 1), (l, left, depth + 1)]);
-                    visit(&world, depth, Shown::Interior { axis, plane: split * back });
+                    visit(&world, depth, Shown::Interior { axis, plane: split / self.scale.factor() });
                 }
                 NodeKind::Leaf { block, lane, count } => {
                     ids.clear();

@@ -1,0 +1,156 @@
+//! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
+
+use std::sync::Arc;
+
+use super::binary::{self, BinaryNode, ByArea};
+use super::collapse::{Costs, Cuts};
+use super::extent::Extent;
+use super::guided::ByRays;
+use super::layout::{self, Arrays};
+use super::link::Link;
+use super::spatial::{self, Grown};
+use super::split::Search;
+use super::visits::Visits;
+use super::{Bvh, BvhSpec, Effort, reinsert};
+use crate::clip::TriangleClipper;
+use crate::error::{Error, Result};
+use crate::geom::{Aabb, Scale, TriId};
+use crate::heuristic::Rdh;
+use crate::mem::reserve;
+use crate::mesh::Mesh;
+use crate::options::{BuildOptions, Watch};
+use crate::simd::{LANES, Level};
+
+impl<const W: usize> Bvh<W> {
+    /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
+    ///
+    /// # Errors
+    /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
+    pub fn build(mesh: &Mesh, spec: &BvhSpec, guide: Option<&Rdh>, options: &BuildOptions<'_>) -> Result<Self> {
+        check_size(mesh, options)?;
+        let watch = Watch::new(options, mesh.len());
+        watch.check_cancelled()?;
+        let bounds = mesh.bounds();
+        let scale = Scale::of(&bounds);
+        let bounds = scale.scaled(&bounds);
+        let build = Build { mesh, spec, guide, options, scale, watch: &watch };
+        let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
+        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
+        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
+        match options.max_bytes {
+            Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
+            _ => Ok(tree),
+        }
+    }
+}
+
+/// Refuses what would only fail after hours: more triangles than links can name, or than references are allowed.
+fn check_size(mesh: &Mesh, options: &BuildOptions<'_>) -> Result<()> {
+    let most = Link::MAX_BLOCKS * LANES;
+    if mesh.len() > most {
+        return Err(Error::OverBudget { what: "triangles", limit: most });
+    }
+    match options.max_refs {
+        Some(limit) if limit < mesh.len() => Err(Error::OverBudget { what: "references", limit }),
+        _ => Ok(()),
+    }
+}
+
+/// What a visit of a node costs, and a test of eight triangles.
+const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
+
+/// Spatial splits may add one reference to so many.
+const ONE_SPARE_IN: usize = 2;
+
+/// What all stages know.
+struct Build<'a> {
+    mesh: &'a Mesh,
+    spec: &'a BvhSpec,
+    guide: Option<&'a Rdh>,
+    options: &'a BuildOptions<'a>,
+    scale: Scale,
+    watch: &'a Watch<'a>,
+}
+
+impl Build<'_> {
+    /// The binary tree, improved as the effort says.
+    fn grow(&self) -> Result<Grown> {
+        let primitives = self.primitives()?;
+        if primitives.is_empty() {
+            return Ok(Grown::default());
+        }
+        let grown = if self.spec.spatial { self.grow_cutting(primitives) } else { self.grow_whole(primitives) };
+        let Grown { nodes, ids } = grown?;
+        let nodes = match self.spec.effort {
+            Effort::High => reinsert::reinsert(nodes, self.is_parallel(), self.watch)?,
+            _ => nodes,
+        };
+        Ok(Grown { nodes, ids })
+    }
+
+    fn grow_cutting(&self, references: Vec<Extent>) -> Result<Grown> {
+        let n = self.mesh.len();
+        let most = self.options.max_refs.unwrap_or(usize::MAX).min(n + n / ONE_SPARE_IN);
+        let clipper = TriangleClipper { mesh: self.mesh, scale: self.scale.factor() };
+        spatial::grow(references, &clipper, self.search(), most - n, self.watch)
+    }
+
+    fn grow_whole(&self, mut primitives: Vec<Extent>) -> Result<Grown> {
+        let nodes = match self.guide {
+            Some(rdh) => binary::grow(&mut primitives, self.search(), &ByRays(rdh), self.watch)?,
+            None => binary::grow(&mut primitives, self.search(), &ByArea, self.watch)?,
+        };
+        let mut ids = Vec::new();
+        reserve(&mut ids, primitives.len(), "references")?;
+        ids.extend(primitives.iter().map(|p| p.link));
+        Ok(Grown { nodes, ids })
+    }
+
+    /// The box and id of every triangle, in scaled space.
+    fn primitives(&self) -> Result<Vec<Extent>> {
+        let mut primitives = Vec::new();
+        reserve(&mut primitives, self.mesh.len(), "references")?;
+        primitives.extend((0..self.mesh.len() as u32).map(|id| {
+            let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
+            Extent::new(&Aabb::around(&corners), id, 0)
+        }));
+        Ok(primitives)
+    }
+
+    fn search(&self) -> Search {
+        let (bins, leaf) = match self.spec.effort {
+            Effort::Quick => (16, LANES),
+            // Smaller leaves than blocks: where joining them pays, the cuts do it.
+            Effort::Default => (32, 4),
+            Effort::High => (32, 2),
+        };
+        Search { level: Level::best(), parallel: self.is_parallel(), bins, leaf }
+    }
+
+    fn is_parallel(&self) -> bool {
+        self.options.threads != Some(1)
+    }
+
+    /// Wide nodes and blocks of triangles.
+    fn pack<const W: usize>(&self, grown: Grown) -> Result<Arrays<W>> {
+        let Grown { nodes, ids } = grown;
+        let weights = self.weights(&nodes)?;
+        self.watch.check_cancelled()?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.watch)?;
+        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
+        // cost; but where spatial splits made them, a large child that holds little is soon done with.
+        let order = |i: usize| match self.guide {
+            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
+            None if self.spec.spatial => weights.stops[i] / cuts.count(i) as f32,
+            None => weights.stops[i],
+        };
+        layout::lay_out(&nodes, &ids, &cuts, order, |id| self.mesh.corners(TriId(id)), self.watch)
+    }
+
+    fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {
+        match self.guide {
+            Some(rdh) => Visits::measure(nodes, rdh, self.watch),
+            None => Visits::by_area(nodes),
+        }
+    }
+}
