@@ -49,6 +49,7 @@ impl Level {
 
     /// All levels of this CPU, slowest first: tests run on each.
     pub fn available() -> Vec<Self> {
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is one level alone"))]
         let mut levels = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2")
