@@ -59,7 +59,9 @@ fn scene_arguments(plan: &StudyPlan, embedded: &[Entry]) -> String {
         (true, true) => " --scenes DIR".to_owned(),
         (false, _) => {
             let others = plan.scenes.iter().any(|(id, _)| embedded.iter().all(|e| e.id != *id));
-            let names: String = plan.scenes.iter().map(|(id, _)| format!(" '{id}'")).collect();
+            // Parameters stand in brackets, which shells take for something else.
+            let quoted = |id: &String| if id.contains('(') { format!(" '{id}'") } else { format!(" {id}") };
+            let names: String = plan.scenes.iter().map(|(id, _)| quoted(id)).collect();
             if others { format!("{names} --scenes DIR") } else { names }
         }
     }
