@@ -57,17 +57,12 @@ fn modes(args: &StudyArgs) -> Vec<Mode> {
 }
 
 fn settings(args: &StudyArgs, context: &Context) -> Plan {
-    let usual = if args.quick {
-        Plan { size: [128, 128], training: 4_096, small_builds: 1, ..Plan::default() }
-    } else {
-        Plan { size: [256, 256], small_builds: 2, ..Plan::default() }
-    };
-    let rounds = args.rounds.unwrap_or(StudyPlan::ROUNDS);
+    let usual = StudyPlan::usual(args.quick);
     Plan {
         size: args.size.map_or(usual.size, |s| [s.width, s.height]),
         training: args.training.unwrap_or(usual.training),
-        rounds,
-        small_rounds: rounds,
+        rounds: args.rounds.unwrap_or(usual.rounds),
+        small_rounds: args.rounds.unwrap_or(usual.small_rounds),
         seed: context.seed,
         ..usual
     }

@@ -1,7 +1,8 @@
 //! Figures: panels side by side with titles, and colour bars with numbers.
 
 use super::canvas::{Canvas, Rect, Rgb, text_size};
-use super::scale::{ColourScale, short_number};
+use super::scale::ColourScale;
+use super::short_number;
 
 /// One picture of a figure, with two lines above it.
 #[derive(Debug, Clone)]

@@ -11,4 +11,5 @@ pub(crate) use canvas::{Canvas, Rgb};
 pub(crate) use encode::{Channel, exr_bytes, png_bytes, small_png_bytes};
 pub(crate) use figure::{ColourBar, Item, Panel, draw_figure};
 pub(crate) use line::{Pen, draw_disc, draw_line};
-pub(crate) use scale::{ColourScale, round_up, short_number};
+pub(crate) use rdh_study::report::short_number;
+pub(crate) use scale::{ColourScale, round_up};

@@ -49,19 +49,6 @@ pub(crate) fn round_up(value: f64) -> f64 {
     round_to(value, &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 }
 
-/// A number as short as it can be said: `0.25`, `7`, `1.5k`, `20M`.
-pub(crate) fn short_number(value: f64) -> String {
-    let (scaled, unit) = match value.abs() {
-        size if size >= 1e6 => (value / 1e6, "M"),
-        size if size >= 1e4 => (value / 1e3, "k"),
-        _ => (value, ""),
-    };
-    // Three decimals are enough for ticks; zeros at the end say nothing.
-    let digits = format!("{scaled:.3}");
-    let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    format!("{}{unit}", if digits == "-0" { "0" } else { digits })
-}
-
 fn round_step(value: f64) -> f64 {
     round_to(value, &[1.0, 2.0, 5.0, 10.0])
 }
@@ -103,12 +90,6 @@ mod tests {
         let scale = ColourScale::diverging(1.0);
         assert!(scale.colour(-0.8).2 > scale.colour(-0.8).0);
         assert!(scale.colour(0.8).0 > scale.colour(0.8).2);
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        let said = [0.25, 7.0, 15_000.0, 2e7, -0.00001, 1234.5].map(short_number);
-        assert_eq!(said, ["0.25", "7", "15k", "20M", "0", "1234.5"]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::integrate::Mode;
 pub use protocol::Protocol;
 pub use source::Source;
 pub use target::Target;
-pub(crate) use target::path_view;
+pub(crate) use target::{find_view, path_view};
 
 /// A study: targets × modes × specs. Everything that decides its counts is in here.
 #[derive(Debug, Clone)]

@@ -53,12 +53,19 @@ impl Target {
             if let Some(view) = path_view(&self.entry, name, 0)? {
                 return Ok(view);
             }
-            let names = || known.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
-            let found = known.iter().find(|v| v.name == *name).cloned();
-            found.ok_or_else(|| format!("unknown view '{name}'; known: {}", names()))
+            find_view(&known, name).cloned()
         };
         self.views.iter().map(find).collect()
     }
+}
+
+/// A view by name.
+///
+/// # Errors
+/// An unknown name, with the known ones.
+pub(crate) fn find_view<'v>(views: &'v [View], name: &str) -> Result<&'v View, String> {
+    let names = || views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
+    views.iter().find(|v| v.name == name).ok_or_else(|| format!("unknown view '{name}'; known: {}", names()))
 }
 
 /// A view along a camera path of a scene, some frames before the named one: `walk@60`. Nothing for other names.

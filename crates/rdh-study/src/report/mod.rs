@@ -31,6 +31,7 @@ mod words;
 
 pub use about::{About, Panel, Picture, Scale};
 pub use shown::{Shown, views_to_show};
+pub use words::short_number;
 
 use crate::study::Record;
 

@@ -7,6 +7,19 @@ use super::effect::{Effect, Verdict};
 use super::pairs::Metric;
 use crate::integrate::Mode;
 
+/// A number as short as it can be said: `0.25`, `7`, `1.5k`, `20M`.
+pub fn short_number(value: f64) -> String {
+    let (scaled, unit) = match value.abs() {
+        size if size >= 1e6 => (value / 1e6, "M"),
+        size if size >= 1e4 => (value / 1e3, "k"),
+        _ => (value, ""),
+    };
+    // Three decimals are enough for ticks; zeros at the end say nothing.
+    let digits = format!("{scaled:.3}");
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    format!("{}{unit}", if digits == "-0" { "0" } else { digits })
+}
+
 /// `22 % fewer steps (0.78, 0.74–0.82)`: in brackets the ratio and its 95 % interval; or that there is no difference.
 pub(super) fn said(effect: &Effect, metric: Metric) -> String {
     format!("{} ({})", change(effect, metric), figures(effect))
@@ -153,6 +166,12 @@ mod tests {
 
     fn effect(mean: f64, interval: [f64; 2]) -> Effect {
         Effect { n: 9, scenes: 3, mean, interval, least: mean, most: mean, wins: 0, losses: 0 }
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let said = [0.25, 7.0, 15_000.0, 2e7, -0.00001, 1234.5].map(short_number);
+        assert_eq!(said, ["0.25", "7", "15k", "20M", "0", "1234.5"]);
     }
 
     #[test]

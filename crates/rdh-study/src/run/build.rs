@@ -1,8 +1,10 @@
 //! Builds of a scene's structures, timed.
 
 use rdh::{Accel, BuildOptions, Mesh, Spec, Training};
+use rdh_scene::View;
 
-use crate::clock::time_process;
+use crate::clock::{time_process, time_thread};
+use crate::integrate::Shoot;
 use crate::stats::median;
 
 /// Rays to learn from, where they come from, and what they cost.
@@ -37,6 +39,12 @@ impl Lesson {
     /// No rays, at no cost.
     pub fn none() -> Self {
         Self { training: Training::none(), secs: 0.0, view: String::new(), frame: 0 }
+    }
+
+    /// Casts and records training rays of a view at a frame through a tree, on this thread; `test_rays` as in [`Shoot::training`].
+    pub fn cast(shoot: &Shoot<'_>, accel: &Accel, test_rays: usize, (view, frame): (&View, u32)) -> Self {
+        let (training, secs) = time_thread(|| shoot.training(accel, test_rays));
+        Self { training, secs, view: view.name.clone(), frame }
     }
 }
 

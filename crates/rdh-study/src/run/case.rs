@@ -7,7 +7,6 @@ use super::build::{Built, Lesson};
 use super::site::Site;
 use super::trial::{Trial, in_pool};
 use super::{Event, Prepared, Study};
-use crate::clock::time_thread;
 use crate::integrate::{Mode, Shoot};
 use crate::plan::{Case, Plan, Protocol, Source};
 
@@ -54,8 +53,7 @@ impl Study<'_, '_> {
         if let Some(source) = &self.plan.rrs {
             return self.site(on, first).lesson(source, view, mode);
         }
-        let (training, secs) = time_thread(|| shoot.training(first, test_rays));
-        Ok(Lesson { training, secs, view: view.name.clone(), frame: on.frame })
+        Ok(Lesson::cast(shoot, first, test_rays, (view, on.frame)))
     }
 
     /// The plan as rows tell it: a part of the frame is chosen as the paper does.

@@ -5,9 +5,9 @@ use rdh_scene::{Entry, View};
 
 use super::Load;
 use super::build::Lesson;
-use crate::clock::{time_process, time_thread};
+use crate::clock::time_process;
 use crate::integrate::{Mode, Shoot, Stage};
-use crate::plan::{Plan, Protocol, Source, path_view};
+use crate::plan::{Plan, Protocol, Source, find_view, path_view};
 
 /// A scene at a frame, where training rays can be cast from any of its views.
 pub struct Site<'a> {
@@ -40,21 +40,14 @@ impl Site<'_> {
             Source::None => Ok(Lesson::none()),
             Source::Frame(part) => self.this_frame(view, mode, *part),
             Source::Previous(frames) => self.previous(view, mode, *frames),
-            Source::View(name) => Ok(self.looking_from(self.named(name)?, mode, self.plan.training)),
+            Source::View(name) => Ok(self.looking_from(find_view(self.views, name)?, mode, self.plan.training)),
             Source::All => Ok(self.all_views(mode)),
         }
     }
 
-    fn named(&self, name: &str) -> Result<&View, String> {
-        let known = || self.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
-        let found = self.views.iter().find(|v| v.name == name);
-        found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
-    }
-
     fn looking_from(&self, view: &View, mode: Mode, count: usize) -> Lesson {
         let plan = Plan { protocol: Protocol::Unseen, training: count, ..self.plan.clone() };
-        let (training, secs) = time_thread(|| Shoot::new(self.stage, mode, view, &plan).training(self.first, 0));
-        Lesson { training, secs, view: view.name.clone(), frame: self.frame }
+        Lesson::cast(&Shoot::new(self.stage, mode, view, &plan), self.first, 0, (view, self.frame))
     }
 
     /// One in `part` pixels, through a tree that is built in a hurry; both are paid for.
@@ -64,8 +57,8 @@ impl Site<'_> {
         let plan = Plan { protocol: Protocol::Paper, training: count, ..self.plan.clone() };
         let (first, build_secs) = time_process(|| build(self.stage.mesh(), HURRY));
         let first = first?;
-        let (training, secs) = time_thread(|| Shoot::new(self.stage, mode, view, &plan).training(&first, 0));
-        Ok(Lesson { training, secs: build_secs + secs, view: view.name.clone(), frame: self.frame })
+        let lesson = Lesson::cast(&Shoot::new(self.stage, mode, view, &plan), &first, 0, (view, self.frame));
+        Ok(Lesson { secs: build_secs + lesson.secs, ..lesson })
     }
 
     /// The rays of an earlier frame. They were cast for that frame's picture, so they cost nothing more.

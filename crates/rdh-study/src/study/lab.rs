@@ -10,7 +10,7 @@ use super::lines::uniform_lines;
 use super::record::{Job, Record};
 use crate::clock::time_thread;
 use crate::integrate::{Mode, RayBatch, Shoot, Stage, derived_seed};
-use crate::plan::{Case, Plan, Protocol, Target};
+use crate::plan::{Case, Plan, Protocol, Target, find_view};
 use crate::rows::{Failure, Row};
 use crate::run::{Built, Lesson, Load, Site, Trial, build_interleaved, in_pool};
 
@@ -108,9 +108,7 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// An unknown name, with the known ones.
     pub fn view(&self, name: &str) -> Result<View, String> {
-        let known = || self.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>().join(", ");
-        let found = self.views.iter().find(|v| v.name == name).cloned();
-        found.ok_or_else(|| format!("unknown view '{name}'; known: {}", known()))
+        find_view(&self.views, name).cloned()
     }
 
     /// All views.
@@ -137,8 +135,7 @@ impl<'a> Lab<'a> {
             Protocol::Same => self.rays(view, mode).iter().map(|b| b.rays.len()).sum(),
             Protocol::Unseen | Protocol::Paper => 0,
         };
-        let (training, secs) = time_thread(|| shoot.training(&self.first, test_rays));
-        Lesson { training, secs, view: view.name.clone(), frame: self.frame }
+        Lesson::cast(&shoot, &self.first, test_rays, (view, self.frame))
     }
 
     /// As many uniform lines through the scene's box, cast like rays: what areas assume, to learn from.
@@ -222,6 +219,13 @@ pub fn entrants<'b>(built: &'b [Option<Built>], settings: &[Vec<Setting>]) -> Ve
         Some(Entrant { built: built.as_ref()?, settings }).filter(|e| !e.settings.is_empty())
     };
     built.iter().zip(settings).filter_map(entrant).collect()
+}
+
+/// A base in all of some settings, and each other structure in one of them, in order.
+pub fn beside_base<'b>(built: &'b [Built], settings: &[Setting]) -> Vec<Entrant<'b>> {
+    let base = built.first().map(|built| Entrant { built, settings: settings.to_vec() });
+    let alone = |(built, setting): (&'b Built, &Setting)| Entrant { built, settings: vec![setting.clone()] };
+    base.into_iter().chain(built.iter().skip(1).zip(settings).map(alone)).collect()
 }
 
 /// All settings, in the order in which they are first named.

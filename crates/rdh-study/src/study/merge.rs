@@ -54,25 +54,25 @@ pub fn merge(folders: &[PathBuf]) -> Result<Merged> {
 impl Merged {
     /// Rows, summaries by setting, and what went wrong: the document that `compare` prints.
     pub fn document(&self) -> Document {
-        // Experiment by experiment, whichever scene each of them began with.
-        let mut rows: Vec<Row> = Vec::new();
-        for name in &self.plan.experiments {
-            rows.extend(self.records.iter().filter(|r| r.job.experiment == *name).flat_map(|r| r.rows.clone()));
-        }
-        let disagrees = |row: &Row| self.records.iter().any(|r| !r.mismatches.is_empty() && r.rows.contains(row));
-        let sound: Vec<Row> = match self.records.iter().all(|r| r.mismatches.is_empty()) {
-            true => rows.clone(),
-            false => rows.iter().filter(|row| !disagrees(row)).cloned().collect(),
-        };
         Document {
             version: Document::VERSION,
             // Of structures that disagree no time counts.
-            summary: summarise_settings(&sound),
-            rows,
+            summary: summarise_settings(&self.rows(|record| record.mismatches.is_empty())),
+            rows: self.rows(|_| true),
             failures: self.records.iter().flat_map(|r| r.failures.clone()).collect(),
             mismatches: self.records.iter().flat_map(|r| r.mismatches.clone()).collect(),
             curves: self.records.iter().flat_map(|r| r.curves.clone()).collect(),
         }
+    }
+
+    /// The rows of some records: experiment by experiment, whichever scene each of them began with.
+    fn rows(&self, wanted: impl Fn(&Record) -> bool) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for name in &self.plan.experiments {
+            let of_experiment = self.records.iter().filter(|r| r.job.experiment == *name && wanted(r));
+            rows.extend(of_experiment.flat_map(|r| r.rows.clone()));
+        }
+        rows
     }
 
     /// Writes the study into a folder of its own, as if one machine had done it.

@@ -51,8 +51,6 @@ pub struct StudyPlan {
 
 impl StudyPlan {
     const VERSION: u32 = 1;
-    /// Usual timing rounds: an even number, so that of two structures each begins as often as the other.
-    pub const ROUNDS: usize = 4;
     const FILE: &str = "plan.json";
 
     /// Plans experiments over a scope; `settings` gives film, training, rounds and seed.
@@ -88,6 +86,16 @@ impl StudyPlan {
             scenes: scope.entries.iter().map(|e| (e.id.clone(), e.triangles)).collect(),
             jobs,
         })
+    }
+
+    /// The usual film, training and rounds: an even number of these, so that of two structures each begins as often as the other.
+    pub fn usual(quick: bool) -> Plan {
+        let usual = Plan { rounds: 4, small_rounds: 4, ..Plan::default() };
+        if quick {
+            Plan { size: [128, 128], training: 4_096, small_builds: 1, ..usual }
+        } else {
+            Plan { size: [256, 256], small_builds: 2, ..usual }
+        }
     }
 
     /// Film, training, rounds and seed, as measurements take them.

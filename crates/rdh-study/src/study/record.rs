@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use rdh::Spec;
 use serde::{Deserialize, Serialize};
 
 use crate::integrate::Mode;
@@ -47,6 +48,12 @@ impl Record {
     /// An empty record of a job.
     pub fn of(job: Job) -> Self {
         Self { job, machine: None, rows: Vec::new(), curves: Vec::new(), failures: Vec::new(), mismatches: Vec::new() }
+    }
+
+    /// A curve of this job.
+    pub fn curve(&self, name: impl Into<String>, spec: Spec, across: &str, points: Vec<[f64; 3]>) -> Curve {
+        let Job { experiment, scene, view, mode, .. } = self.job.clone();
+        Curve { experiment, scene, view, mode, name: name.into(), spec, across: across.to_owned(), points }
     }
 
     /// The record without what a clock said, and where: equal for equal jobs.

@@ -7,7 +7,6 @@ use rdh_scene::Kind;
 
 use crate::integrate::Mode;
 use crate::rows::Row;
-use crate::stats::median;
 
 /// Which rows belong together: scene, view, frame, seed, protocol.
 pub(super) type CaseKey = (String, String, u32, u64, String);
@@ -27,7 +26,6 @@ pub(super) struct Cell {
     pub(super) tests: f64,
     /// The worst of the classes.
     pub(super) cost_p999: f64,
-    pub(super) nanos: f64,
     pub(super) round_nanos: Vec<f64>,
     pub(super) build_secs: f64,
     pub(super) rrs_secs: f64,
@@ -69,12 +67,10 @@ impl Cell {
         self.cost_p999 = self.cost_p999.max(row.cost_p999 as f64);
         let rounds: Vec<f64> = row.round_nanos_per_ray.iter().map(|n| n * rays).collect();
         if self.round_nanos.is_empty() {
-            self.nanos = row.nanos_per_ray * rays;
             self.round_nanos = rounds;
         } else {
             // The rounds of a case ran together: their sums are rounds of the whole.
             self.round_nanos = self.round_nanos.iter().zip(rounds).map(|(a, b)| a + b).collect();
-            self.nanos = median(&self.round_nanos);
         }
         // Classes share the structure.
         self.build_secs = row.build_secs;

@@ -110,7 +110,7 @@ impl Rdh {
     pub(crate) fn chance(&self, part: f32, all: f32, area: f32) -> f32 {
         match self.blend.weight(all) {
             0.0 => area,
-            weight => weight * (part / all) + (1.0 - weight) * area,
+            weight => mix(weight, part / all, area),
         }
     }
 
@@ -172,6 +172,11 @@ impl Rdh {
     }
 }
 
+/// Rays and areas, by the rays' weight.
+fn mix(weight: f32, rays: f32, area: f32) -> f32 {
+    weight * rays + (1.0 - weight) * area
+}
+
 /// Up to so many rays are compared with every plane.
 const FEW: usize = 64;
 
@@ -221,8 +226,8 @@ impl Heuristic for Rdh {
         } else {
             self.weigh_many(spans, axis, planes, left, right);
         }
-        let mix = |(p, area): (&mut f32, f32)| *p = weight * (*p / total) + (1.0 - weight) * area;
-        left.iter_mut().zip(areas_left).for_each(mix);
-        right.iter_mut().zip(areas_right).for_each(mix);
+        let blend = |(p, area): (&mut f32, f32)| *p = mix(weight, *p / total, area);
+        left.iter_mut().zip(areas_left).for_each(blend);
+        right.iter_mut().zip(areas_right).for_each(blend);
     }
 }

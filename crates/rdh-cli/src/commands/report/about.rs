@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use rdh_scene::Entry;
+use rdh_study::Mode;
 use rdh_study::report::About;
 use rdh_study::study::{EXPERIMENTS, Merged, StudyPlan};
-use rdh_study::{Mode, Plan};
 
 use crate::args::ReportArgs;
 use crate::machine;
@@ -36,16 +36,16 @@ fn machines(merged: &Merged) -> String {
 /// The command that makes the study again; what is usual is left out.
 fn study_command(plan: &StudyPlan, embedded: &[Entry]) -> String {
     let [width, height] = plan.size;
-    let usual = if plan.quick { ([128, 128], 4_096) } else { ([256, 256], Plan::default().training) };
+    let usual = StudyPlan::usual(plan.quick);
     let modes = plan.modes.iter().map(ToString::to_string).collect::<Vec<_>>().join(",");
     let parts = [
         (true, scene_arguments(plan, embedded)),
         (plan.quick, " --quick".to_owned()),
         (plan.experiments.len() < EXPERIMENTS.len(), format!(" --experiment {}", plan.experiments.join(","))),
         (plan.modes.len() < Mode::ALL.len(), format!(" --mode {modes}")),
-        (plan.size != usual.0, format!(" --size {width}x{height}")),
-        (plan.training != usual.1, format!(" --training {}", plan.training)),
-        (plan.rounds[0] != StudyPlan::ROUNDS, format!(" --rounds {}", plan.rounds[0])),
+        (plan.size != usual.size, format!(" --size {width}x{height}")),
+        (plan.training != usual.training, format!(" --training {}", plan.training)),
+        (plan.rounds[0] != usual.rounds, format!(" --rounds {}", plan.rounds[0])),
         (true, format!(" --seed {} --out study", plan.seed)),
     ];
     "rdh study".to_owned() + &parts.into_iter().filter(|p| p.0).map(|p| p.1).collect::<String>()

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::super::words::short_number;
 use super::{Anchor, line, text, width_of};
 
 /// One axis of a plot.
@@ -126,17 +127,9 @@ impl Axis {
     }
 }
 
-/// A number as short as it can be said: `0.25`, `7`, `16k`, `1M`.
+/// A number as short as it can be said, with a true minus.
 pub(in crate::report) fn short(value: f64) -> String {
-    let (scaled, unit) = match value.abs() {
-        size if size >= 1e6 => (value / 1e6, "M"),
-        size if size >= 1e4 => (value / 1e3, "k"),
-        _ => (value, ""),
-    };
-    let digits = format!("{scaled:.3}");
-    let digits = digits.trim_end_matches('0').trim_end_matches('.');
-    let digits = if digits == "-0" { "0" } else { digits };
-    format!("{}{unit}", digits.replace('-', "−"))
+    short_number(value).replace('-', "−")
 }
 
 /// Whether one step between sorted values is about half of all their span.

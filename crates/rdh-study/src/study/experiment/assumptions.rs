@@ -1,17 +1,15 @@
 //! SAH's two assumptions taken apart: rays spread evenly, and rays that nothing stops.
 
 use rdh::kd::Costs;
-use rdh::{Query, RaySample, Spec, StructureSpec, Training};
+use rdh::{Spec, StructureSpec, Training};
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
-use crate::clock::time_thread;
-use crate::integrate::{Mode, derived_seed};
+use crate::integrate::Mode;
 use crate::plan::Protocol;
 use crate::rows::Curve;
-use crate::run::{Built, Lesson};
+use crate::run::Built;
 use crate::study::bound::Segment;
-use crate::study::lab::{Entrant, Setting};
-use crate::study::lines::uniform_lines;
+use crate::study::lab::{Setting, beside_base};
 use crate::study::scope::Sample;
 use crate::study::skeleton::Skeleton;
 
@@ -43,7 +41,7 @@ impl Experiment for Assumptions {
     fn run(&self, lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
         let (view, mode) = (lab.view(&found.job.view)?, found.job.mode);
         let real = lab.lesson(&view, mode, Protocol::Unseen, lab.plan.training);
-        let uniform = uniform_lesson(lab);
+        let uniform = lab.uniform_lesson(lab.plan.training);
         let mut wanted = vec![(Spec::default(), &real)];
         for (_, is_uniform, spec) in CORNERS {
             let lesson = if is_uniform { &uniform } else { &real };
@@ -51,35 +49,16 @@ impl Experiment for Assumptions {
         }
         let built: Option<Vec<Built>> = lab.build(&wanted, found).into_iter().collect();
         let built = built.ok_or("not all of its trees could be built")?;
-        lab.measure(&entrants(&built), &lab.rays(&view, mode), found);
+        let settings = CORNERS.map(|(name, ..)| Setting::named(name));
+        lab.measure(&beside_base(&built, &settings), &lab.rays(&view, mode), found);
         let test = Segment::all(&lab.sample(&view, mode, FOLLOWED));
         for (built, tree) in built.iter().zip(["sah"].into_iter().chain(CORNERS.map(|c| c.0))) {
             let Some(kd) = built.accel.kd_tree() else { continue };
             let guesses = Guesses::new(Skeleton::of(kd), &uniform.training, &real.training, &test);
-            found.curves.extend(guesses.curves(lab, &found.job, built.spec, tree));
+            found.curves.extend(guesses.curves(lab, found, built.spec, tree));
         }
         Ok(())
     }
-}
-
-/// As many uniform lines as there are training rays, with their hits.
-fn uniform_lesson(lab: &Lab<'_>) -> Lesson {
-    let seed = derived_seed(lab.plan.seed, u64::from(b'L'));
-    let cast = || {
-        let lines = uniform_lines(&lab.stage.bounds(), lab.plan.training, seed);
-        let sample = |ray| RaySample::new(ray, lab.first.closest(&ray), Query::Closest, lines.class);
-        Training::from_samples(lines.rays.iter().copied().map(sample).collect())
-    };
-    let (training, secs) = time_thread(cast);
-    Lesson { training, secs, view: "uniform lines".to_owned(), frame: lab.frame }
-}
-
-/// SAH is the base of each corner.
-fn entrants(built: &[Built]) -> Vec<Entrant<'_>> {
-    let settings: Vec<Setting> = CORNERS.iter().map(|(name, ..)| Setting::named(*name)).collect();
-    let base = built.first().map(|built| Entrant { built, settings: settings.clone() });
-    let others = built.iter().skip(1).zip(settings).map(|(built, setting)| Entrant { built, settings: vec![setting] });
-    base.into_iter().chain(others).collect()
 }
 
 /// What areas and samples say of a tree's nodes, and what the test rays do.
@@ -107,17 +86,8 @@ impl Guesses {
         Self { skeleton, guessed, measured }
     }
 
-    fn curves(&self, lab: &Lab<'_>, job: &Job, spec: Spec, tree: &str) -> Vec<Curve> {
-        let curve = |name: String, across: &str, points: Vec<[f64; 3]>| Curve {
-            experiment: job.experiment.clone(),
-            scene: job.scene.clone(),
-            view: job.view.clone(),
-            mode: job.mode,
-            name,
-            spec,
-            across: across.to_owned(),
-            points,
-        };
+    fn curves(&self, lab: &Lab<'_>, found: &Record, spec: Spec, tree: &str) -> Vec<Curve> {
+        let curve = |name: String, across: &str, points: Vec<[f64; 3]>| found.curve(name, spec, across, points);
         let mut curves = Vec::new();
         for (guess, visits) in &self.guessed {
             if let Some(ratio) = self.cost_ratio(&spec, visits) {

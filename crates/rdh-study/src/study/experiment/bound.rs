@@ -58,16 +58,8 @@ fn bound(lab: &Lab<'_>, found: &mut Record) -> Result<(), String> {
     let test = lab.sample(&view, mode, RAYS);
     let triangles = lab.mesh().len() as f64;
     for bound in bounds(lab.mesh(), &training, &test).map_err(|e| e.to_string())? {
-        found.curves.push(Curve {
-            experiment: found.job.experiment.clone(),
-            scene: lab.entry.id.clone(),
-            view: view.name.clone(),
-            mode,
-            name: bound.name,
-            spec: bound.spec,
-            across: "triangles".to_owned(),
-            points: vec![[triangles, bound.ratio, 1.0]],
-        });
+        let curve = found.curve(bound.name, bound.spec, "triangles", vec![[triangles, bound.ratio, 1.0]]);
+        found.curves.push(Curve { scene: lab.entry.id.clone(), ..curve });
     }
     Ok(())
 }

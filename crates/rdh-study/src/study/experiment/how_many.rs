@@ -6,7 +6,6 @@ use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::{Mode, RayBatch};
 use crate::measure::tally;
 use crate::plan::Protocol;
-use crate::rows::Curve;
 use crate::run::{Built, Lesson};
 use crate::study::lab::{Setting, entrants};
 use crate::study::scope::Sample;
@@ -16,6 +15,8 @@ pub(super) struct HowMany;
 const SIZES: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 const BASE: &str = "kd+sah";
 const SPECS: &str = "kd+rdh(paper),kd+rdh";
+/// What it takes where no ray is new.
+const LEARNT: &str = "steps + tests / base, on the rays learnt from";
 /// The setting that learns from the rays it is tested on.
 const BOUND: &str = "the test rays themselves";
 
@@ -61,7 +62,7 @@ impl Experiment for HowMany {
                 Some([setting.x?, learnt_ratio(built?, base, &lesson.training), 1.0])
             };
             let points = of_spec.zip(&lessons).filter_map(point).collect();
-            found.curves.push(curve(&found.job, spec, points));
+            found.curves.push(found.curve(LEARNT, spec, "training rays", points));
         }
         Ok(())
     }
@@ -82,17 +83,4 @@ fn batches(training: &Training) -> Vec<RayBatch> {
         RayBatch { class: RayClass::Other, query, rays }
     };
     [Query::Closest, Query::Occluded].map(of).into()
-}
-
-fn curve(job: &Job, spec: Spec, points: Vec<[f64; 3]>) -> Curve {
-    Curve {
-        experiment: job.experiment.clone(),
-        scene: job.scene.clone(),
-        view: job.view.clone(),
-        mode: job.mode,
-        name: "steps + tests / base, on the rays learnt from".to_owned(),
-        spec,
-        across: "training rays".to_owned(),
-        points,
-    }
 }

@@ -5,7 +5,6 @@ use rdh::{RayClass, Spec};
 use super::{Experiment, Job, Lab, Record, Scope};
 use crate::integrate::Mode;
 use crate::measure::tally;
-use crate::rows::Curve;
 
 pub(super) struct Spd;
 
@@ -88,16 +87,8 @@ impl Experiment for Spd {
         ];
         let eye_rays = rays(RayClass::Primary) as f64;
         for (name, ours, theirs) in counted {
-            found.curves.push(Curve {
-                experiment: found.job.experiment.clone(),
-                scene: found.job.scene.clone(),
-                view: found.job.view.clone(),
-                mode: found.job.mode,
-                name: name.to_owned(),
-                spec: Spec::default(),
-                across: "published".to_owned(),
-                points: vec![[theirs / Published::EYE_RAYS, ours as f64 / eye_rays, 1.0]],
-            });
+            let points = vec![[theirs / Published::EYE_RAYS, ours as f64 / eye_rays, 1.0]];
+            found.curves.push(found.curve(name, Spec::default(), "published", points));
         }
         Ok(())
     }

@@ -6,11 +6,10 @@ use rdh_scene::{Entry, View};
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::integrate::Mode;
 use crate::plan::{Source, path_view};
-use crate::rows::Curve;
 use crate::run::{Built, Lesson};
 use crate::study::bound::Segment;
 use crate::study::coverage::coverage;
-use crate::study::lab::{Entrant, Setting};
+use crate::study::lab::{Setting, beside_base};
 use crate::study::scope::Sample;
 
 pub(super) struct WhichRays;
@@ -78,7 +77,8 @@ impl Experiment for WhichRays {
         wanted.extend(lessons.iter().flat_map(|(_, lesson)| spec.iter().map(move |&spec| (spec, lesson))));
         let built: Option<Vec<Built>> = lab.build(&wanted, found).into_iter().collect();
         let built = built.ok_or("not all of its trees could be built")?;
-        lab.measure(&entrants(&built, &lessons), &lab.rays(&view, mode), found);
+        let settings: Vec<Setting> = lessons.iter().map(|(setting, _)| setting.clone()).collect();
+        lab.measure(&beside_base(&built, &settings), &lab.rays(&view, mode), found);
         judge(lab, &view, &built, &lessons, found);
         Ok(())
     }
@@ -112,14 +112,6 @@ fn along(way: &str, distances: &[u32]) -> Vec<(Setting, Source)> {
     distances.iter().map(at).collect()
 }
 
-/// SAH is the base of each source.
-fn entrants<'b>(built: &'b [Built], lessons: &[(Setting, Lesson)]) -> Vec<Entrant<'b>> {
-    let settings: Vec<Setting> = lessons.iter().map(|(setting, _)| setting.clone()).collect();
-    let base = built.first().map(|built| Entrant { built, settings: settings.clone() });
-    let others = built.iter().skip(1).zip(settings).map(|(built, setting)| Entrant { built, settings: vec![setting] });
-    base.into_iter().chain(others).collect()
-}
-
 /// Would the rules have chosen well? Both know a few of the new rays; the first knows neither tree, the second casts the
 /// rays through both.
 fn judge(lab: &Lab<'_>, view: &View, built: &[Built], lessons: &[(Setting, Lesson)], found: &mut Record) {
@@ -137,16 +129,8 @@ fn judge(lab: &Lab<'_>, view: &View, built: &[Built], lessons: &[(Setting, Lesso
         by_trial.push([known, is_right(trial(&built_from.accel, &new) < trial(&built[0].accel, &new)), 1.0]);
     }
     for (name, points) in [(RATIO, ratios), (BY_COVERAGE, by_coverage), (BY_TRIAL, by_trial)] {
-        found.curves.push(Curve {
-            experiment: found.job.experiment.clone(),
-            scene: found.job.scene.clone(),
-            view: view.name.clone(),
-            mode: found.job.mode,
-            name: name.to_owned(),
-            spec: built.last().map(|b| b.spec).unwrap_or_default(),
-            across: "part of the new rays' way that is known".to_owned(),
-            points,
-        });
+        let spec = built.last().map(|b| b.spec).unwrap_or_default();
+        found.curves.push(found.curve(name, spec, "part of the new rays' way that is known", points));
     }
 }
 
