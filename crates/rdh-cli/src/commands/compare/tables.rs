@@ -82,7 +82,7 @@ fn class_name(row: &Row) -> String {
 fn explanation(plan: &Plan) -> String {
     format!(
         "Ratios are to the first spec; below 1 is better; in the summary geometric means over pairs of the same rays.\n\
-         build: CPU time of one thread; +rays: with recording the training rays; slower: pairs that are surely slower.\n\
+         build: CPU time of one thread; +rays: with recording the training rays; faster, slower: pairs that surely are.\n\
          {} x {} rays a view, at most {} training rays ({}), seed {}.\n",
         plan.size[0], plan.size[1], plan.training, plan.protocol, plan.seed
     )
