@@ -26,8 +26,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("the tasks have no place")?;
-    let folder = root.join("target/study").join(&arguments.name);
-    let rdh = build(root)?;
+    let target = crate::target()?;
+    let folder = target.join("study").join(&arguments.name);
+    let rdh = build(root, &target)?;
     let parts = (1..=arguments.parts).map(|part| start(&rdh, arguments, part, &folder));
     // All are started before one is waited for.
     for (i, mut part) in parts.collect::<Result<Vec<Child>>>()?.into_iter().enumerate() {
@@ -52,10 +53,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The program, built as users build it.
-fn build(root: &Path) -> Result<PathBuf> {
+fn build(root: &Path, target: &Path) -> Result<PathBuf> {
     let status = Command::new("cargo").args(["build", "--release", "-p", "rdh-cli"]).current_dir(root).status()?;
     ensure!(status.success(), "cargo build: {status}");
-    Ok(root.join("target/release/rdh"))
+    Ok(target.join("release/rdh"))
 }
 
 fn start(rdh: &Path, arguments: &Arguments, part: usize, folder: &Path) -> Result<Child> {

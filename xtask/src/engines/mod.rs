@@ -41,9 +41,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 
 /// `engines` beside the folder of this program's profile, so that `rdh` finds it from its own place.
 fn folder() -> Result<PathBuf> {
-    let program = std::env::current_exe()?;
-    let target = program.parent().and_then(Path::parent).context("this program has no place")?;
-    Ok(target.join("engines"))
+    Ok(crate::target()?.join("engines"))
 }
 
 /// The folder of the competitors' sources.
