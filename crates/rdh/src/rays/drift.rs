@@ -46,8 +46,11 @@ impl Profile {
         let points = points(&mine, &theirs);
         let rays = [mine.len(), theirs.len()];
         let mut is_mine: Vec<bool> = (0..points.len()).map(|i| i < mine.len()).collect();
-        let alone = |part: fn(&Point, &Point) -> f64| Pairs::new(&points, |a, b| part(a, b).sqrt()).coefficient(&is_mine).sqrt();
-        let [origins, directions, lengths, kinds] = [Point::origins, Point::directions, Point::lengths, Point::kinds].map(alone);
+        let alone = |part: fn(&Point, &Point) -> f64| {
+            Pairs::new(&points, |a, b| part(a, b).sqrt()).coefficient(&is_mine).sqrt()
+        };
+        let [origins, directions, lengths, kinds] =
+            [Point::origins, Point::directions, Point::lengths, Point::kinds].map(alone);
         let pairs = Pairs::new(&points, Point::distance);
         let distance = pairs.coefficient(&is_mine);
         let mut random = Random(1);
@@ -219,7 +222,12 @@ mod tests {
     fn equal_sources_look_different_as_seldom_as_they_should() {
         let trials = 60;
         let p: Vec<f64> = (0..trials)
-            .map(|i| seen_from([5.0, -5.0, 5.0], 100, 2 * i).drift(&seen_from([5.0, -5.0, 5.0], 100, 2 * i + 1)).unwrap().p_value)
+            .map(|i| {
+                seen_from([5.0, -5.0, 5.0], 100, 2 * i)
+                    .drift(&seen_from([5.0, -5.0, 5.0], 100, 2 * i + 1))
+                    .unwrap()
+                    .p_value
+            })
             .collect();
         // 10 % of 60 are 6, with a standard error of 2.3; half of them 30, with one of 3.9.
         let below = |limit: f64| p.iter().filter(|&&p| p <= limit).count();

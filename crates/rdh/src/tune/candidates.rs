@@ -13,10 +13,16 @@ pub struct Candidate {
 
 /// What is tried unless the caller says otherwise. The first one is what is kept where there are too few rays to choose.
 pub const CANDIDATES: &[Candidate] = &[
-    Candidate { spec: "bvh8+sah", why: "no rays needed, fast to build, within a few per cent of the best on open scenes" },
+    Candidate {
+        spec: "bvh8+sah",
+        why: "no rays needed, fast to build, within a few per cent of the best on open scenes",
+    },
     Candidate { spec: "bvh8(high)+sah", why: "what more effort gives without rays: what rays must beat" },
     Candidate { spec: "sbvh8(high)+sah", why: "large or long triangles, whose boxes would overlap" },
-    Candidate { spec: "bvh4+sah", why: "rays that visit few nodes: narrow nodes are cheaper where eight boxes can't be tested at once" },
+    Candidate {
+        spec: "bvh4+sah",
+        why: "rays that visit few nodes: narrow nodes are cheaper where eight boxes can't be tested at once",
+    },
     Candidate { spec: "kd+sah", why: "many overlapping objects and high depth complexity" },
     Candidate { spec: "bvh8+rdh", why: "occluded scenes, any-hit rays: the usual winner for its build time" },
     Candidate { spec: "bvh8(high)+rdh", why: "the same, for scenes that stay: short any-hit rays gain most" },

@@ -43,10 +43,12 @@ impl Deck {
         let counts = |s: &&RaySample| s.weight > 0 && class_weights[s.class as usize] > 0.0 && s.fault().is_none();
         let good: Vec<&RaySample> = samples.iter().filter(counts).collect();
         let kinds = RayClass::ALL.into_iter().flat_map(|class| Query::ALL.map(|query| (class, query)));
-        let of = |(class, query)| good.iter().copied().filter(|s| (s.class, s.query) == (class, query)).collect::<Vec<_>>();
+        let of =
+            |(class, query)| good.iter().copied().filter(|s| (s.class, s.query) == (class, query)).collect::<Vec<_>>();
         let parts: Vec<Vec<&RaySample>> = kinds.map(of).filter(|part| !part.is_empty()).collect();
         let blocks = blocks(good.len());
-        let groups = parts.iter().map(|part| Group::deal(part, class_weights[part[0].class as usize], blocks)).collect();
+        let groups =
+            parts.iter().map(|part| Group::deal(part, class_weights[part[0].class as usize], blocks)).collect();
         Self { groups, blocks, dropped: samples.len() - good.len(), effective: effective(&good, class_weights) }
     }
 
@@ -129,12 +131,16 @@ mod tests {
 
     #[test]
     fn weights_decide_how_often_a_ray_is_cast_and_what_it_counts() {
-        let samples: Vec<_> = (0..1000).map(|i| sample(2 * i, 1 + 3 * (i as u32 % 2))).collect();
+        // Heavy ones here and there, without a period that the systematic sample could fall in with.
+        let weight = |i: usize| 1 + 3 * ((i as u32).wrapping_mul(2_654_435_761) >> 31);
+        let samples: Vec<_> = (0..1000).map(|i| sample(2 * i, weight(i))).collect();
+        let total: u32 = samples.iter().map(|s| s.weight).sum();
+        let share = samples.iter().filter(|s| s.weight == 4).map(|s| s.weight).sum::<u32>() as f64 / f64::from(total);
         let deck = Deck::deal(&samples, &[2.0; 8]);
         let group = &deck.groups[0];
-        let heavy = group.blocks.iter().flatten().filter(|r| r.origin[0] as u32 / 2 % 2 == 1).count();
-        assert!((790..=810).contains(&heavy) && (990..=1010).contains(&group.rays()), "{heavy} of {}", group.rays());
-        assert!((deck.weight() - 2.0 * 2500.0).abs() < 1e-6);
+        let heavy = group.blocks.iter().flatten().filter(|r| weight(r.origin[0] as usize / 2) == 4).count();
+        assert!((heavy as f64 / group.rays() as f64 - share).abs() < 0.03, "{heavy} of {}, {share}", group.rays());
+        assert!((990..=1010).contains(&group.rays()) && (deck.weight() - 2.0 * f64::from(total)).abs() < 1e-6);
     }
 
     #[test]

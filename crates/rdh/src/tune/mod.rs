@@ -85,12 +85,21 @@ pub fn tune(
 /// As [`tune`].
 pub fn auto(mesh: &Mesh, rays: &Training, build: &BuildOptions<'_>) -> Result<Tuned> {
     let (training, held_out) = rays.part();
-    tune(mesh, &Spec::candidates(), &training, &held_out, &TuneOptions { build: *build, ..TuneOptions::default() }, None)
+    tune(
+        mesh,
+        &Spec::candidates(),
+        &training,
+        &held_out,
+        &TuneOptions { build: *build, ..TuneOptions::default() },
+        None,
+    )
 }
 
 fn check(candidates: &[Spec]) -> Result<()> {
     let fail = |reason: String| Err(Error::Tuning { reason });
-    if let Some(twice) = candidates.iter().enumerate().find_map(|(i, spec)| candidates[..i].contains(spec).then_some(spec)) {
+    if let Some(twice) =
+        candidates.iter().enumerate().find_map(|(i, spec)| candidates[..i].contains(spec).then_some(spec))
+    {
         return fail(format!("candidate '{twice}' is given twice"));
     }
     if candidates.contains(&Spec::AUTO) {

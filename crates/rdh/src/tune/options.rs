@@ -44,7 +44,10 @@ impl Default for TuneOptions<'_> {
 impl std::fmt::Debug for TuneOptions<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { max_build_secs, class_weights, risk, margin, rounds, .. } = self;
-        write!(f, "TuneOptions({max_build_secs:?} s, weights {class_weights:?}, risk {risk}, margin {margin}, {rounds} rounds)")
+        write!(
+            f,
+            "TuneOptions({max_build_secs:?} s, weights {class_weights:?}, risk {risk}, margin {margin}, {rounds} rounds)"
+        )
     }
 }
 

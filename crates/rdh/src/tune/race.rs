@@ -75,12 +75,7 @@ pub(super) fn only_areas(shop: &Workshop<'_>, (deck, lesson): (&Deck, &Deck), do
 
 /// Builds all candidates, one after the other, counts, and keeps the better half of each kind; of the others nothing stays in
 /// memory.
-fn by_counts(
-    shop: &Workshop<'_>,
-    deck: &Deck,
-    lesson: &Deck,
-    trials: &mut [Trial],
-) -> Result<Field> {
+fn by_counts(shop: &Workshop<'_>, deck: &Deck, lesson: &Deck, trials: &mut [Trial]) -> Result<Field> {
     let knowing = shop.candidates.iter().filter(|s| s.needs_rays()).count();
     let room = [half(shop.candidates.len() - knowing), half(knowing)];
     let mut kept = [Vec::new(), Vec::new()];

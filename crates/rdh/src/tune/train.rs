@@ -46,10 +46,9 @@ impl Workshop<'_> {
         };
         let options = BuildOptions { cancel: Some(&cancel), ..self.options.build };
         let accel = match accel::build(self.mesh, spec, self.training, &options) {
-            Err(Error::Cancelled) if late.load(Ordering::Relaxed) => Err(Error::TooSlow {
-                spec: spec.to_string(),
-                secs: self.options.max_build_secs.unwrap_or_default(),
-            }),
+            Err(Error::Cancelled) if late.load(Ordering::Relaxed) => {
+                Err(Error::TooSlow { spec: spec.to_string(), secs: self.options.max_build_secs.unwrap_or_default() })
+            }
             Err(Error::Cancelled) => return Err(Error::Cancelled),
             other => other,
         };

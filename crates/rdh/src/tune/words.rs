@@ -20,7 +20,11 @@ pub(super) fn verdict(evidence: &Evidence, best: Option<&Trial>) -> String {
         let ratio = comparison.map_or_else(String::new, shown);
         return format!("{spec} takes {ratio} of the {what} of {base}, the best by areas, on rays it wasn't built for");
     }
-    let least = if evidence.margin > 0.0 { format!("surely below {:.2}", 1.0 - evidence.margin) } else { "surely below 1".to_owned() };
+    let least = if evidence.margin > 0.0 {
+        format!("surely below {:.2}", 1.0 - evidence.margin)
+    } else {
+        "surely below 1".to_owned()
+    };
     match best.and_then(|trial| Some((trial.spec, trial.comparison.as_ref()?))) {
         Some((other, comparison)) => {
             format!("{base} is kept: {other} would take {} of its {what}, which is not {least}", shown(comparison))
