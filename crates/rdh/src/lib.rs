@@ -26,6 +26,7 @@ pub mod probe;
 pub mod rays;
 pub mod simd;
 pub mod spec;
+mod surface;
 
 pub use accel::{Accel, Stats, build};
 pub use error::{Error, Result};
