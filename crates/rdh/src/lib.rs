@@ -24,6 +24,7 @@ pub mod naive;
 pub mod options;
 pub mod probe;
 pub mod rays;
+pub mod sanitised;
 pub mod simd;
 pub mod spec;
 mod surface;

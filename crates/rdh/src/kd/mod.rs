@@ -160,7 +160,7 @@ fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
     let n = clipper.mesh.len();
     let mut refs = Vec::new();
     reserve(&mut refs, n, "references")?;
-    refs.extend((0..n as u32).map(|id| Reference::new(id, &Aabb::around(&clipper.corners(id)))));
+    refs.extend(clipper.mesh.solid().map(|tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0)))));
     Ok(refs)
 }
 
