@@ -24,13 +24,17 @@ mod mem;
 pub mod mesh;
 pub mod naive;
 pub mod options;
+mod parts;
 pub mod probe;
 pub mod rays;
+pub mod sanitised;
+pub mod saved;
 pub mod simd;
 pub mod spec;
+mod surface;
 pub mod tune;
 
-pub use accel::{Accel, Stats};
+pub use accel::{Accel, Provenance, Stats};
 pub use build::build;
 pub use error::{Error, Result};
 pub use geom::{Aabb, Axis, GeomId, Hit, InstId, Ray, TriId, Vec3};
