@@ -24,8 +24,10 @@ pub mod naive;
 pub mod options;
 pub mod probe;
 pub mod rays;
+pub mod sanitised;
 pub mod simd;
 pub mod spec;
+mod surface;
 
 pub use accel::{Accel, Stats, build};
 pub use error::{Error, Result};
