@@ -78,7 +78,7 @@ impl KdTree {
         let Arrays { root, lines, blocks, tally } = arrays;
         let masks = mesh.masks().map(Arc::from);
         let magnitude = bounds.magnitude();
-        let tree = Self { scale, bounds, magnitude, root, lines, blocks, masks, tally, level: Level::best() };
+        let tree = Self { scale, bounds, magnitude, root, lines, blocks, masks, tally, level: options.level() };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
