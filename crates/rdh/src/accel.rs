@@ -112,7 +112,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
         StructureSpec::Auto => Err(not_built(spec)),
@@ -121,7 +121,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
