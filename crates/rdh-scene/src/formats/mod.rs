@@ -57,6 +57,12 @@ pub const FORMATS: &[Format] = &[
     Format { name: "glb", about: "glTF 2.0 in one binary file", read: gltf::read },
 ];
 
+/// A scene of one mesh that comes from no file.
+pub(crate) fn place(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Scene> {
+    let part = assemble::Part { positions, triangles, ..assemble::Part::default() };
+    assemble::assemble(vec![part], [0.0, 0.0, 1.0], Vec::new())
+}
+
 /// The format of a file, by its extension in any case.
 ///
 /// # Errors
