@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use numpy::{Element, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 use rayon::ThreadPool;
 use rdh::{Hit, Mesh};
 
@@ -17,9 +17,36 @@ use crate::world::{Caster, World};
 pub(crate) const INVALID_ID: u32 = u32::MAX;
 
 /// What `cast_rays` can say of a ray.
-pub(crate) const FIELDS: [&str; 5] = ["t_hit", "geometry_ids", "primitive_ids", "primitive_uvs", "primitive_normals"];
+const FIELDS: [&str; 5] = ["t_hit", "geometry_ids", "primitive_ids", "primitive_uvs", "primitive_normals"];
 
-/// The arrays of [`FIELDS`] that are wanted, each with a row a ray.
+/// Which of [`FIELDS`] are wanted.
+pub(crate) struct Wanted([bool; FIELDS.len()]);
+
+impl Wanted {
+    /// Every one.
+    pub(crate) const ALL: Self = Self([true; FIELDS.len()]);
+
+    /// Reads names one by one: what is given may claim any length.
+    ///
+    /// # Errors
+    /// `ValueError` for what is not a list of names, or an unknown one.
+    pub(crate) fn read(fields: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let refused = |what: &Bound<'_, PyAny>| {
+            let what = what.repr().map_or_else(|_| "this".to_owned(), |text| text.to_string());
+            refuse("fields", format_args!("{what} is none of {}", FIELDS.join(", ")))
+        };
+        let mut wanted = [false; FIELDS.len()];
+        for field in fields.try_iter().map_err(|_| refuse("fields", "a list of names is needed"))? {
+            let field = field?;
+            let name = field.cast::<PyString>().map_err(|_| refused(&field))?;
+            let place = FIELDS.iter().position(|known| name == known).ok_or_else(|| refused(&field))?;
+            wanted[place] = true;
+        }
+        Ok(Self(wanted))
+    }
+}
+
+/// The arrays of those fields, each with a row a ray.
 #[derive(Default)]
 struct Fields<'a> {
     t_hit: Option<&'a mut [f32]>,
@@ -70,24 +97,21 @@ impl Fields<'_> {
 /// Casts rays for their nearest hits; the arrays of `wanted` fields, in the shape of the rays.
 ///
 /// # Errors
-/// `ValueError` for an unknown field or rays out of range, `MemoryError`, or what a signal's handler raises.
+/// `ValueError` for rays out of range, `MemoryError`, or what a signal's handler raises.
 pub(crate) fn closest<'py>(
     py: Python<'py>,
     pool: &ThreadPool,
     world: &World,
     rays: &RayRows<'_>,
     shape: &[usize],
-    wanted: Option<&[String]>,
+    wanted: Wanted,
 ) -> PyResult<Bound<'py, PyDict>> {
-    if let Some(unknown) = wanted.unwrap_or_default().iter().find(|w| !FIELDS.contains(&w.as_str())) {
-        return Err(refuse("fields", format_args!("'{unknown}' is none of {}", FIELDS.join(", "))));
-    }
     let made = Made { result: PyDict::new(py), shape, wanted };
-    let mut t_hit = made.column::<f32>(FIELDS[0], None)?;
-    let mut geometry_ids = made.column::<u32>(FIELDS[1], None)?;
-    let mut primitive_ids = made.column::<u32>(FIELDS[2], None)?;
-    let mut primitive_uvs = made.column::<f32>(FIELDS[3], Some(2))?;
-    let mut primitive_normals = made.column::<f32>(FIELDS[4], Some(3))?;
+    let mut t_hit = made.column::<f32>(0, None)?;
+    let mut geometry_ids = made.column::<u32>(1, None)?;
+    let mut primitive_ids = made.column::<u32>(2, None)?;
+    let mut primitive_uvs = made.column::<f32>(3, Some(2))?;
+    let mut primitive_normals = made.column::<f32>(4, Some(3))?;
     let fields = Fields {
         t_hit: rows(&mut t_hit)?,
         geometry_ids: rows(&mut geometry_ids)?,
@@ -109,7 +133,7 @@ pub(crate) fn closest<'py>(
 struct Made<'a, 'py> {
     result: Bound<'py, PyDict>,
     shape: &'a [usize],
-    wanted: Option<&'a [String]>,
+    wanted: Wanted,
 }
 
 /// An array of results while its numbers are written.
@@ -117,13 +141,13 @@ type Held<'py, T> = Option<PyReadwriteArrayDyn<'py, T>>;
 
 impl<'py> Made<'_, 'py> {
     /// An array in the shape of the rays, with an axis for `more` numbers a ray; nothing if the field is not wanted.
-    fn column<T: Element>(&self, name: &str, more: Option<usize>) -> PyResult<Held<'py, T>> {
-        if self.wanted.is_some_and(|wanted| wanted.iter().all(|w| w != name)) {
+    fn column<T: Element>(&self, field: usize, more: Option<usize>) -> PyResult<Held<'py, T>> {
+        if !self.wanted.0[field] {
             return Ok(None);
         }
         let shape: Vec<_> = self.shape.iter().copied().chain(more).collect();
         let array = zeros::<T>(self.result.py(), &shape)?;
-        self.result.set_item(name, &array)?;
+        self.result.set_item(FIELDS[field], &array)?;
         Ok(Some(array.try_readwrite()?))
     }
 }

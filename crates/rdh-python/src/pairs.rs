@@ -13,7 +13,7 @@ use crate::rays::RayRows;
 use crate::scene::Scene;
 use crate::world::{Caster, World};
 
-/// Ids of the first triangles that rays hit, int64; -1 for a miss.
+/// Ids of the first triangles that rays hit, int32; -1 for a miss.
 #[pyfunction]
 pub(crate) fn _first<'py>(
     py: Python<'py>,
@@ -23,7 +23,7 @@ pub(crate) fn _first<'py>(
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| {
-        caster.closest(ray).map_or(-1, |hit| i64::from(hit.tri.0))
+        caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32)
     })
 }
 

@@ -58,9 +58,14 @@ impl Profile {
     ///
     /// Raises ``ValueError`` if they were recorded with different seeds.
     #[classmethod]
-    fn merge(_class: &Bound<'_, PyType>, profiles: Vec<PyRef<'_, Self>>) -> PyResult<Self> {
-        let samples = profiles.iter().map(|p| p.sample()).collect::<PyResult<Vec<_>>>()?;
-        let merged = Sample::merge(samples.iter().map(|s| Sample::clone(s))).map_err(from_library)?;
+    fn merge(_class: &Bound<'_, PyType>, profiles: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mut samples = Vec::new();
+        // One by one: what is given may claim any length.
+        for profile in profiles.try_iter().map_err(|_| refuse("profiles", "a list of profiles is needed"))? {
+            let profile = profile?.cast_into::<Self>().map_err(|_| refuse("profiles", "a list of profiles is needed"))?;
+            samples.push(Sample::clone(&*profile.get().sample()?));
+        }
+        let merged = Sample::merge(samples).map_err(from_library)?;
         Ok(Self::finished(merged))
     }
 

@@ -6,16 +6,13 @@ use pyo3::types::PyDict;
 use rdh::{Spec, Training};
 
 use crate::arrays::{Floats, read_faces, refuse, reserve, zeros};
-use crate::cast;
+use crate::cast::{self, Wanted};
 use crate::errors::{from_library, from_scene};
 use crate::load::About;
 use crate::pool::pool;
 use crate::profile::Profile;
 use crate::rays::RayRows;
 use crate::world::{self, World};
-
-/// What is built where no spec is given.
-pub(crate) const USUAL_SPEC: &str = "bvh8+sah";
 
 /// Triangles, and a structure that finds where rays hit them.
 ///
@@ -59,7 +56,7 @@ impl Scene {
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (vertices, faces, spec = USUAL_SPEC, *, threads = None))]
+    #[pyo3(signature = (vertices, faces, spec = "bvh8+sah", *, threads = None))]
     fn new(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
@@ -98,11 +95,12 @@ impl Scene {
         py: Python<'py>,
         rays: &Bound<'py, PyAny>,
         threads: Option<i64>,
-        fields: Option<Vec<String>>,
+        fields: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let wanted = fields.map_or(Ok(Wanted::ALL), Wanted::read)?;
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin);
-        cast::closest(py, &*pool(py, threads)?, &self.world, &rays, &shape, fields.as_deref())
+        cast::closest(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, wanted)
     }
 
     /// Whether rays hit anything between ``tnear`` and ``tfar`` (closed; rays of eight columns have their own interval): an
@@ -125,7 +123,7 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin).within(tnear, tfar);
-        cast::each(py, &*pool(py, threads)?, &self.world, &rays, &shape, "rays", |caster, ray, _| caster.occluded(ray))
+        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| caster.occluded(ray))
     }
 
     /// How many triangles rays go through: an array of int32. An edge that triangles share counts for one of them only, so
@@ -141,7 +139,7 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin);
-        cast::each(py, &*pool(py, threads)?, &self.world, &rays, &shape, "rays", |caster, ray, hits| {
+        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, hits| {
             caster.all_hits(ray, hits);
             hits.len() as i32
         })
@@ -168,7 +166,7 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (floats, _, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin);
-        cast::list(py, &*pool(py, threads)?, &self.world, &rays)
+        cast::list(py, pool(py, threads)?.as_ref(), &self.world, &rays)
     }
 
     /// Builds another structure over the same triangles, in place of the present one: by any spec; those with ``rdh`` need a
@@ -182,7 +180,7 @@ impl Scene {
             Some(profile) => Training::from_samples(profile.sample()?.samples().to_vec()),
             None => Training::none(),
         };
-        self.world.replace(world::build(py, &*pool(py, threads)?, &self.world.mesh, &spec, &training)?);
+        self.world.replace(world::build(py, pool(py, threads)?.as_ref(), &self.world.mesh, &spec, &training)?);
         Ok(())
     }
 
