@@ -143,7 +143,7 @@ fn meeting_point([a, b, c]: [[f64; 3]; 3], (origin, direction): ([f64; 3], [f64;
     let point = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
     let (off, size) = (sub(point, weighted), dot(ab, ab).max(dot(ac, ac)));
     // NaN is far off, too.
-    if dot(off, off) <= 1e-8 * size { point } else { weighted }
+    if dot(off, off) <= 1e-4 * size { point } else { weighted }
 }
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
