@@ -159,6 +159,19 @@ impl Accel {
         each!(&self.structure, tree => tree.all_hits(ray, &mut (), hits));
     }
 
+    /// The nearest hit that `passes`: for cut-outs, and for what a ray must not see. It is asked about hits in any order, about
+    /// some that lie behind the result, and about one triangle perhaps several times; it must always answer alike.
+    ///
+    /// What does not pass is no hit: record what this returns.
+    pub fn closest_where(&self, ray: &Ray, mut passes: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        each!(&self.structure, tree => tree.closest_where(ray, &mut passes))
+    }
+
+    /// Whether anything that `passes` is hit; it is asked as in [`Self::closest_where`].
+    pub fn occluded_where(&self, ray: &Ray, mut passes: impl FnMut(&Hit) -> bool) -> bool {
+        each!(&self.structure, tree => tree.occluded_where(ray, &mut passes))
+    }
+
     /// [`Self::closest`], and what it cost, added to `counts`.
     pub fn closest_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
         each!(&self.structure, tree => tree.closest(ray, counts))

@@ -25,9 +25,11 @@ pub mod options;
 mod parts;
 pub mod probe;
 pub mod rays;
+pub mod sanitised;
 pub mod saved;
 pub mod simd;
 pub mod spec;
+mod surface;
 
 pub use accel::{Accel, Provenance, Stats, build};
 pub use error::{Error, Result};

@@ -107,6 +107,12 @@ impl Mesh {
         self.triangles[tri.index()].map(|i| self.positions[i as usize])
     }
 
+    /// The triangles with three different vertices. No ray hits the others, so structures leave them out.
+    pub fn solid(&self) -> impl Iterator<Item = TriId> + '_ {
+        let solid = |[a, b, c]: &[u32; 3]| a != b && b != c && a != c;
+        (0..).zip(self.triangles.iter()).filter(move |(_, triangle)| solid(triangle)).map(|(id, _)| TriId(id))
+    }
+
     /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.
     pub fn bounds(&self) -> Aabb {
         self.triangles.iter().flatten().fold(Aabb::EMPTY, |b, &i| b.with(self.positions[i as usize]))

@@ -106,9 +106,9 @@ impl Build<'_> {
     fn primitives(&self) -> Result<Vec<Extent>> {
         let mut primitives = Vec::new();
         reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend((0..self.mesh.len() as u32).map(|id| {
-            let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), id, 0)
+        primitives.extend(self.mesh.solid().map(|tri| {
+            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
+            Extent::new(&Aabb::around(&corners), tri.0, 0)
         }));
         Ok(primitives)
     }

@@ -4,7 +4,7 @@ use super::binary::DEEPEST;
 use super::link::Link;
 use super::{Bvh, Tally};
 use crate::fault::{Fault, Faults};
-use crate::geom::{Aabb, TriId};
+use crate::geom::Aabb;
 use crate::mesh::Mesh;
 use crate::parts::{Part, Place};
 use crate::simd::{Boxes, LANES};
@@ -134,10 +134,10 @@ impl<'a, const W: usize> Check<'a, W> {
     fn completeness(&mut self) {
         let covered = self.covered();
         let factor = self.tree.scale.factor();
-        for (id, covered) in covered.iter().enumerate() {
-            let bounds = Aabb::around(&self.mesh.corners(TriId(id as u32)).map(|c| c.map(|x| x * factor)));
-            if !covered.holds(&bounds) {
-                self.faults.add(ROOT, format!("triangle {id} is not held by the leaves that list it"));
+        for tri in self.mesh.solid() {
+            let bounds = Aabb::around(&self.mesh.corners(tri).map(|c| c.map(|x| x * factor)));
+            if !covered[tri.index()].holds(&bounds) {
+                self.faults.add(ROOT, format!("triangle {} is not held by the leaves that list it", tri.0));
             }
         }
     }

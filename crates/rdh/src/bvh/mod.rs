@@ -95,6 +95,16 @@ impl<const W: usize> Bvh<W> {
         self.level.run(trace::Walk::<_, leaf::Any, W> { tree: self, ray, probe, start: () })
     }
 
+    /// The nearest hit that `passes`.
+    pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
+    /// Whether there is a hit that `passes`.
+    pub fn occluded_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();

@@ -131,6 +131,16 @@ impl KdTree {
         self.level.run(trace::Walk::<_, leaf::Any> { tree: self, ray, probe, start: () })
     }
 
+    /// The nearest hit that `passes`.
+    pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
+    /// Whether there is a hit that `passes`.
+    pub fn occluded_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();
@@ -179,7 +189,7 @@ fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
     let n = clipper.mesh.len();
     let mut refs = Vec::new();
     reserve(&mut refs, n, "references")?;
-    refs.extend((0..n as u32).map(|id| Reference::new(id, &Aabb::around(&clipper.corners(id)))));
+    refs.extend(clipper.mesh.solid().map(|tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0)))));
     Ok(refs)
 }
 
