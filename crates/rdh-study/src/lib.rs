@@ -16,7 +16,6 @@
 pub mod bench;
 pub mod clock;
 pub mod error;
-pub mod files;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
