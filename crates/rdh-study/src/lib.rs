@@ -17,7 +17,6 @@
 pub mod bench;
 pub mod clock;
 pub mod error;
-pub mod files;
 pub mod identical;
 pub mod integrate;
 pub mod measure;

@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
 use crate::probe::Counts;
-use crate::rays::Training;
+use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
 
@@ -36,6 +36,8 @@ pub struct Provenance {
     pub settings: Value,
     /// Why this structure and no other.
     pub evidence: Option<Value>,
+    /// Rays by which nothing was built or chosen: what it may be judged by, now and later.
+    pub unseen: Option<Profile>,
 }
 
 /// The closed set of structures: an enum costs nothing here.
