@@ -2,6 +2,7 @@
 
 mod browser;
 mod engines;
+mod fuzz;
 mod study;
 
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ enum Task {
     Browser(browser::Arguments),
     /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
+    /// Fuzz everything that reads or builds (fuzz/): needs nightly Rust and cargo-fuzz.
+    Fuzz(fuzz::Arguments),
     /// Run a study in parts side by side, and put its page and tables into docs/study.
     Study(study::Arguments),
 }
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Browser(arguments) => browser::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
+        Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };
     match result {

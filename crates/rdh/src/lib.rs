@@ -40,6 +40,17 @@ pub use probe::{Counts, Probe};
 pub use rays::{HeldOut, Profile, Query, RayClass, RaySample, Recorder, Training, Unseen};
 pub use spec::{Spec, StructureSpec};
 
+/// What fuzz targets look at beyond what users see.
+#[cfg(fuzzing)]
+pub mod fuzzing {
+    use crate::geom::{Aabb, Axis, Vec3};
+
+    /// The boxes of a triangle's parts on both sides of a plane.
+    pub fn split_triangle(corners: &[Vec3; 3], axis: Axis, plane: f32) -> (Aabb, Aabb) {
+        crate::clip::split_triangle(corners, axis, plane)
+    }
+}
+
 /// The README's example, compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
