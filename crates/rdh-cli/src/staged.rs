@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use rdh::{Accel, BuildOptions, Spec, Training, build};
 use rdh_scene::View;
+use rdh_scene::saved::Setting;
 use rdh_study::{Mode, Plan, Shoot, Stage, Target};
 
 use crate::exit::usage;
@@ -15,6 +16,8 @@ pub(crate) struct Staged {
     pub scene: String,
     pub view: View,
     pub stage: Stage,
+    /// How the scene lies and is looked at, to be saved with a tree.
+    pub setting: Setting,
 }
 
 impl Staged {
@@ -30,7 +33,8 @@ impl Staged {
         let stage = Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?;
         let views = target.resolve(&scene.views, || stage.overview()).map_err(usage)?;
         let view = views.into_iter().next().context("the scene has no view")?;
-        Ok(Self { scene: target.entry.id.clone(), view, stage })
+        let setting = Setting { id: target.entry.id.clone(), ..Setting::of(&scene) };
+        Ok(Self { scene: target.entry.id.clone(), view, stage, setting })
     }
 
     /// `scene:view`, as it is typed.
