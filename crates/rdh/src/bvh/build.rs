@@ -1,7 +1,5 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
-use std::sync::Arc;
-
 use super::binary::{self, BinaryNode, ByArea};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
@@ -19,7 +17,7 @@ use crate::heuristic::Rdh;
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::{LANES, Level};
+use crate::simd::LANES;
 
 impl<const W: usize> Bvh<W> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
@@ -30,13 +28,15 @@ impl<const W: usize> Bvh<W> {
         check_size(mesh, options)?;
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
-        let bounds = mesh.bounds();
-        let scale = Scale::of(&bounds);
-        let bounds = scale.scaled(&bounds);
+        let in_mesh = mesh.bounds();
+        let scale = Scale::of(&in_mesh);
         let build = Build { mesh, spec, guide, options, scale, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
-        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
+        let tree = Self {
+            tally,
+            level: options.level(),
+            ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array())
+        };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -110,9 +110,9 @@ impl Build<'_> {
     fn primitives(&self) -> Result<Vec<Extent>> {
         let mut primitives = Vec::new();
         reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend((0..self.mesh.len() as u32).map(|id| {
-            let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), id, 0)
+        primitives.extend(self.mesh.solid().map(|tri| {
+            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
+            Extent::new(&Aabb::around(&corners), tri.0, 0)
         }));
         Ok(primitives)
     }
@@ -124,7 +124,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: Level::best(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), bins, leaf }
     }
 
     fn is_parallel(&self) -> bool {

@@ -36,3 +36,14 @@ pub enum Effort {
     /// Nodes are moved about afterwards, where that makes the tree cheaper: for scenes that stay.
     High,
 }
+
+impl Width {
+    /// The number of children.
+    pub(crate) fn children(self) -> u32 {
+        match self {
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+}
