@@ -11,6 +11,7 @@ mod check;
 mod chop;
 mod collapse;
 mod extent;
+mod grown;
 mod guided;
 mod layout;
 mod link;

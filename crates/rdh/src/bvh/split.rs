@@ -203,14 +203,39 @@ impl Search {
         best
     }
 
-    /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place.
+    /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place. Large sets in halves, whatever the
+    /// number of threads: the order of the primitives must not depend on it.
     pub(crate) fn part(&self, primitives: &mut [Extent], split: &Split) -> (usize, [Centres; 2]) {
-        self.level.run(Part { primitives, split })
+        if primitives.len() <= 2 * CHUNK {
+            return self.level.run(Part { primitives, split });
+        }
+        let half = primitives.len() / 2;
+        let (low, high) = primitives.split_at_mut(half);
+        let ((left, [mut a, mut b]), (more, [c, d])) =
+            self.both(|| self.part(&mut low[..], split), || self.part(&mut high[..], split));
+        // What the first half has on the right changes places with what the second half has on the left.
+        let wrong = (half - left).min(more);
+        low[left..left + wrong].swap_with_slice(&mut high[more - wrong..more]);
+        a.grow::<Portable>(&c);
+        b.grow::<Portable>(&d);
+        (left + more, [a, b])
+    }
+
+    /// Does both, at once if several threads build.
+    pub(crate) fn both<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
     /// The box of some primitives, and that of their doubled centres.
     pub(crate) fn measure(&self, primitives: &[Extent]) -> (Extent, Centres) {
-        self.level.run(Measure { primitives })
+        if primitives.len() <= 2 * CHUNK {
+            return self.level.run(Measure { primitives });
+        }
+        let (low, high) = primitives.split_at(primitives.len() / 2);
+        let ((mut extent, mut centres), (a, b)) = self.both(|| self.measure(low), || self.measure(high));
+        extent.grow::<Portable>(&a);
+        centres.grow::<Portable>(&b);
+        (extent, centres)
     }
 }
 
