@@ -136,7 +136,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: self.options.level(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
     }
 
     fn is_parallel(&self) -> bool {
