@@ -122,7 +122,7 @@ pub(crate) fn closest<'py>(
     let caster = world.caster();
     batch::fill(py, pool, rays.len(), fields, |range, mut fields| {
         for (row, ray) in range.enumerate() {
-            fields.set(row, caster.closest(&rays.get(ray)), &world.mesh);
+            fields.set(row, caster.closest(&rays.get(ray)), caster.accel.mesh());
         }
     })?;
     rays.check("rays")?;

@@ -21,7 +21,7 @@ mod _rdh {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::load::load;
+    use crate::load::{_from_bytes, _reopen, load, open};
     #[pymodule_export]
     use crate::pairs::{_any, _count, _first, _meetings};
     #[pymodule_export]

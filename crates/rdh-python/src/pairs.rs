@@ -68,7 +68,7 @@ pub(crate) fn _meetings<'py>(
 ) -> PyResult<Meetings<'py>> {
     let (pairs, world) = (Pairs::read(origins, directions)?, scene.world());
     let corners = Floats::read("vertices", vertices)?;
-    if corners.row_count("vertices", 3)? != world.mesh.positions().len() {
+    if corners.row_count("vertices", 3)? != world.accel().mesh().positions().len() {
         return Err(refuse("vertices", "they are not those of the scene"));
     }
     let (corners, pool) = (corners.numbers()?, pool(py, threads)?);
@@ -108,7 +108,7 @@ fn find_meetings(
                 caster.all_hits(&ray, &mut hits);
             }
             for hit in hits.iter().take(most) {
-                let triangle = world.mesh.triangles()[hit.tri.index()].map(|i| corners.triple(3 * i as usize));
+                let triangle = caster.accel.mesh().triangles()[hit.tri.index()].map(|i| corners.triple(3 * i as usize));
                 let point = meeting_point(triangle, rays.exact(index), hit);
                 found.push(Meeting { triangle: hit.tri.0, ray: index, point });
             }

@@ -1,18 +1,22 @@
 //! The class `Scene`.
 
+use std::path::PathBuf;
+
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use rdh::{Spec, Training};
+use rdh_scene::saved;
 
 use crate::arrays::{Floats, read_faces, refuse, reserve, zeros};
+use crate::batch;
 use crate::cast::{self, Wanted};
 use crate::errors::{from_library, from_scene};
 use crate::load::About;
 use crate::pool::pool;
 use crate::profile::Profile;
 use crate::rays::RayRows;
-use crate::world::{self, World};
+use crate::world::{self, SavedFile, World};
 
 /// Triangles, and a structure that finds where rays hit them.
 ///
@@ -74,7 +78,7 @@ impl Scene {
         let placed = rdh_scene::Scene::from_triangles(positions, triangles).map_err(from_scene)?;
         let mesh = placed.flatten().map_err(from_library)?.mesh;
         let accel = world::build(py, &pool, &mesh, &spec, &Training::none())?;
-        Ok(Self::of(World::new(mesh.into(), placed.origin, accel), About::default()))
+        Ok(Self::of(World::new(accel, placed.origin, None), About::of(&placed, Vec::new())))
     }
 
     /// Casts rays for their nearest hits; of equally near ones that with the smallest id.
@@ -180,7 +184,7 @@ impl Scene {
             Some(profile) => Training::from_samples(profile.sample()?.samples().to_vec()),
             None => Training::none(),
         };
-        self.world.replace(world::build(py, pool(py, threads)?.as_ref(), &self.world.mesh, &spec, &training)?);
+        self.world.replace(world::build(py, pool(py, threads)?.as_ref(), self.world.accel().mesh(), &spec, &training)?);
         Ok(())
     }
 
@@ -214,7 +218,8 @@ impl Scene {
     /// The vertices: a new ``(n, 3)`` float64 array, in world coordinates.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let positions = self.world.mesh.positions();
+        let accel = self.world.accel();
+        let positions = accel.mesh().positions();
         let array = zeros::<f64>(py, &[positions.len(), 3])?;
         let mut held = array.try_readwrite()?;
         for (row, p) in held.as_slice_mut()?.as_chunks_mut::<3>().0.iter_mut().zip(positions) {
@@ -227,7 +232,8 @@ impl Scene {
     /// The faces: a new ``(m, 3)`` uint32 array of vertex indices.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let triangles = self.world.mesh.triangles();
+        let accel = self.world.accel();
+        let triangles = accel.mesh().triangles();
         let array = zeros::<u32>(py, &[triangles.len(), 3])?;
         array.try_readwrite()?.as_slice_mut()?.copy_from_slice(triangles.as_flattened());
         Ok(array.cast_into()?)
@@ -236,7 +242,7 @@ impl Scene {
     /// The smallest box around all triangles, ``(2, 3)`` float64 in world coordinates; inverted if there are none.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bounds = self.world.mesh.bounds();
+        let bounds = self.world.accel().mesh().bounds();
         let corners = [bounds.min, bounds.max].map(|p| [0, 1, 2].map(|a| f64::from(p[a]) + self.world.origin[a]));
         let array = zeros::<f64>(py, &[2, 3])?;
         array.try_readwrite()?.as_slice_mut()?.copy_from_slice(corners.as_flattened());
@@ -252,7 +258,7 @@ impl Scene {
     /// Its name, if it was loaded.
     #[getter]
     fn name(&self) -> &str {
-        &self.about.name
+        self.about.name()
     }
 
     /// What was dropped or repaired when it was loaded, in words.
@@ -293,12 +299,34 @@ impl Scene {
         self.about.camera_rays(py, self.world.origin, width, height, view)
     }
 
+    /// Writes the structure with its triangles as a ``.rdh`` file, which ``rdh.open`` and the program ``rdh`` read. A file that was
+    /// there is replaced as a whole, and stays what it was for those who have it open. Raises ``OSError``.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let accel = self.about.described(&self.world.accel());
+        let saved = batch::supervise(py, pool(py, Some(1))?.as_ref(), |_| saved::save(&accel, &path))?;
+        saved.map_err(from_scene)
+    }
+
+    /// A scene that was opened is sent as its path and checksum, any other with all its triangles.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let module = py.import("rdh._rdh")?;
+        match self.world.file() {
+            Some(SavedFile { path, checksum }) => {
+                Ok((module.getattr("_reopen")?, (path, checksum).into_pyobject(py)?))
+            }
+            None => {
+                let bytes = self.about.described(&self.world.accel()).to_bytes().map_err(from_library)?;
+                Ok((module.getattr("_from_bytes")?, (PyBytes::new(py, &bytes),).into_pyobject(py)?))
+            }
+        }
+    }
+
     fn __len__(&self) -> usize {
-        self.world.mesh.len()
+        self.world.accel().mesh().len()
     }
 
     fn __repr__(&self) -> String {
-        format!("<rdh.Scene: {} triangles, {}>", self.world.mesh.len(), self.spec())
+        format!("<rdh.Scene: {} triangles, {}>", self.world.accel().mesh().len(), self.spec())
     }
 }
 
