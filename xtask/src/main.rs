@@ -1,6 +1,7 @@
 //! Developer tasks: `cargo xtask TASK`.
 
 mod browser;
+mod deep;
 mod engines;
 mod study;
 
@@ -22,6 +23,8 @@ struct Arguments {
 enum Task {
     /// Look at a page in a real browser, and complain.
     Browser(browser::Arguments),
+    /// Run checks that take too long for the ordinary tests.
+    Deep(deep::Arguments),
     /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
     /// Run a study in parts side by side, and put its page and tables into docs/study.
@@ -31,6 +34,7 @@ enum Task {
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Browser(arguments) => browser::run(&arguments),
+        Task::Deep(arguments) => deep::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
         Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };

@@ -33,6 +33,7 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Scenes(args) => commands::scenes::run(args, &context),
         Command::Record(args) => commands::record::run(args, &context),
         Command::Rays(args) => commands::rays::run(args, &context),
+        Command::Tune(args) => commands::tune::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
         Command::Report(args) => commands::report::run(args, &context),
         Command::Bench(args) => commands::bench::run(args, &context),

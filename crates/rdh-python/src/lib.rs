@@ -13,6 +13,7 @@ mod pool;
 mod profile;
 mod rays;
 mod scene;
+mod tune;
 mod world;
 
 /// The module `rdh._rdh`; the package `rdh` re-exports what is public in it.

@@ -16,6 +16,7 @@ use crate::load::About;
 use crate::pool::pool;
 use crate::profile::Profile;
 use crate::rays::RayRows;
+use crate::tune::{self, Measure};
 use crate::world::{self, SavedFile, World};
 
 /// Triangles, and a structure that finds where rays hit them.
@@ -186,6 +187,51 @@ impl Scene {
         };
         self.world.replace(world::build(py, pool(py, threads)?.as_ref(), self.world.accel().mesh(), &spec, &training)?);
         Ok(())
+    }
+
+    /// Chooses a structure for the rays of a profile, and builds it in place of the present one: candidates are built from a half of
+    /// the profile, raced on a quarter, and one that knows the rays is taken only if it is surely (95 %) not slower than the best
+    /// one that needs no rays; else that one is. Answers stay the same, bit for bit. Takes as long as building and casting with
+    /// all candidates. The last quarter of the profile is saved with the scene, so that ``rdh verify`` can judge it.
+    ///
+    /// ``candidates`` lists specs, some without ``rdh``; by default the library's own. ``by`` is ``"time"``, or ``"counts"`` of steps and
+    /// tests, by which the choice is the same on every machine. ``seed`` divides the profile. ``threads`` build; times are taken on one.
+    ///
+    /// Returns the evidence, a dictionary: ``spec``, ``base`` (the best one without rays), ``outcome`` (``rays``, ``areas``,
+    /// ``too_few_rays``), ``reason`` in words, and ``trials`` with times, counts, ratios and intervals of each candidate.
+    ///
+    /// Raises ``ValueError`` for candidates that make no sense or ``by``; the scene then stays as it was.
+    ///
+    /// >>> import rdh
+    /// >>> scene = rdh.load("balls4")
+    /// >>> with rdh.record(scene) as profile:
+    /// ...     hits = scene.cast_rays(scene.camera_rays(100, 100))
+    /// >>> evidence = scene.tune(profile, by="counts")
+    /// >>> scene.spec == evidence["spec"]
+    /// True
+    #[pyo3(signature = (profile, *, candidates = None, by = "time", seed = 1, threads = None))]
+    fn tune<'py>(
+        &self,
+        py: Python<'py>,
+        profile: &Profile,
+        candidates: Option<&str>,
+        by: &str,
+        seed: u64,
+        threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let candidates = candidates.map_or_else(|| Ok(Spec::candidates()), Spec::list).map_err(from_library)?;
+        let measure = Measure::read(by)?;
+        let (profile, accel) = (profile.sample()?, self.world.accel());
+        let chosen = tune::choose(py, &*pool(py, threads)?, accel.mesh(), &candidates, &profile, measure, seed)?;
+        self.world.replace(chosen);
+        self.evidence(py)
+    }
+
+    /// Why this structure was chosen and no other, as ``tune`` returned it; ``None`` if it was not chosen.
+    #[getter]
+    fn evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text = self.world.accel().provenance().evidence.as_ref().map_or_else(|| "null".to_owned(), ToString::to_string);
+        py.import("json")?.call_method1("loads", (text,))
     }
 
     /// What was built: spec, numbers of triangles, nodes, leaves and references, depth, bytes, and training rays.

@@ -3,6 +3,7 @@
 //! ```text
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
+//!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
@@ -16,6 +17,7 @@
 pub mod bench;
 pub mod clock;
 pub mod error;
+pub mod identical;
 pub mod integrate;
 pub mod measure;
 pub mod plan;

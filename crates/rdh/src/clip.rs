@@ -240,7 +240,8 @@ mod tests {
                     let slack: [f64; 3] = std::array::from_fn(|a| 1e-14 * p[a].abs().max(q[a].abs()));
                     let holds = |part: &Aabb| {
                         (0..3).all(|a| {
-                            f64::from(part.min[a]) - slack[a] <= point[a] && point[a] <= f64::from(part.max[a]) + slack[a]
+                            f64::from(part.min[a]) - slack[a] <= point[a]
+                                && point[a] <= f64::from(part.max[a]) + slack[a]
                         })
                     };
                     let above = point[1] - f64::from(plane);

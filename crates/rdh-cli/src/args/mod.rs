@@ -8,6 +8,7 @@ mod render;
 mod report;
 mod scenes;
 mod study;
+mod tune;
 mod values;
 
 use std::path::PathBuf;
@@ -22,6 +23,7 @@ pub(crate) use render::{Heat, RenderArgs};
 pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
 pub(crate) use study::{MergeArgs, StudyArgs};
+pub(crate) use tune::TuneArgs;
 pub(crate) use values::{Place, Size, Slice};
 
 /// rdh: profile-guided ray tracing.
@@ -52,8 +54,10 @@ pub(crate) enum Command {
     Scenes(ScenesArgs),
     /// Record the rays of a mode as a profile
     Record(RecordArgs),
-    /// Say what profiles hold; merge, thin or split them
+    /// Say what profiles hold and how far they are apart; merge, thin or split them
     Rays(RaysArgs),
+    /// Choose structure and heuristic by rays that are really cast
+    Tune(TuneArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
     /// Make one self-contained page of a study

@@ -9,3 +9,4 @@ pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod scenes;
 pub(crate) mod study;
+pub(crate) mod tune;
