@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import random_rays, soup
+from making import random_rays, soup
 
 import rdh
 
@@ -87,7 +87,7 @@ def test_bad_files_are_errors(tmp_path, path: pathlib.Path) -> None:
         rdh.open(bad)
     with pytest.raises(OSError, match="nowhere"):
         rdh.load("balls4").save("/nowhere/at/all.rdh")
-    with pytest.raises(ValueError, match="not a file"):
+    with pytest.raises(OSError, match="directory"):
         rdh.open(tmp_path)
 
 
