@@ -117,7 +117,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
-        StructureSpec::Auto => Err(not_built(spec)),
+        StructureSpec::Auto => Err(nameless(spec)),
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
@@ -134,6 +134,11 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             })
         }
     }
+}
+
+/// For a spec that leaves the choice open.
+fn nameless(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 impl Accel {
@@ -263,13 +268,13 @@ impl Structure {
     /// The structure of this kind that saved arrays make, checked.
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
+            StructureSpec::Auto => return Err(nameless(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match bvh.width {
                 Width::Two => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
                 Width::Four => Self::Bvh4(Bvh::from_parts(parts, mesh)?),
                 Width::Eight => Self::Bvh8(Bvh::from_parts(parts, mesh)?),
             },
-            StructureSpec::Auto => return Err(not_built(spec)),
         })
     }
 
@@ -286,10 +291,6 @@ impl Structure {
         let bytes = each!(self, tree => tree.bytes());
         Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }
     }
-}
-
-fn not_built(spec: &Spec) -> Error {
-    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 fn bvh_stats(t: crate::bvh::Tally) -> (usize, usize, usize, usize, usize) {

@@ -8,4 +8,5 @@ mod report;
 mod run;
 mod scenes;
 mod study;
+mod tune;
 mod usage;

@@ -47,15 +47,13 @@ const ALIGN: usize = 64;
 const LITTLE_ENDIAN: bool = cfg!(target_endian = "little");
 const NOT_HERE: &str = "saved trees are for little-endian machines";
 
-/// What was built is never `auto`.
-const NO_LAYOUT: u32 = 0;
-
 /// Which arrays a structure is made of, as a number.
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
+        // Nothing that is built, and no file.
+        StructureSpec::Auto => 0,
         StructureSpec::Kd(_) => 1,
         StructureSpec::Bvh(bvh) => bvh.width.children(),
-        StructureSpec::Auto => NO_LAYOUT,
     }
 }
 
