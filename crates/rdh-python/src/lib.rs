@@ -8,6 +8,7 @@ mod batch;
 mod cast;
 mod errors;
 mod load;
+mod order;
 mod pairs;
 mod pool;
 mod profile;

@@ -9,6 +9,7 @@ where Embree's arithmetic decides otherwise.
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import pathlib
 import statistics
@@ -213,7 +214,8 @@ def main(arguments: list[str] | None = None) -> int:
     beside = pathlib.Path("../shared/scenes")
     folder = given.scenes or (beside if (beside / "scenes.toml").is_file() else None)
     names = given.mesh or (["country-kitchen"] if folder else [])
-    scenes = [lambda: icosphere(given.side), *(lambda name=name: loaded(name, folder, given.side) for name in names)]
+    scenes: list[Callable[[], Scene]] = [functools.partial(icosphere, given.side)]
+    scenes += [functools.partial(loaded, name, folder, given.side) for name in names]
     rows: list[Row] = []
     if not given.json:
         print(f"{'scene':16} {'rays':10} {'query':20} {'engine':20} {'Mrays/s':>8} {'speed-up':>8} {'differ':>8}")

@@ -7,6 +7,7 @@ path. Clusters without Dask (HyperQueue, Slurm) take the program's ``--shard`` a
 
 from __future__ import annotations
 
+import collections
 import ctypes
 import functools
 import json
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -69,9 +71,7 @@ def cast(
     >>> int(rdh.dask.cast(path, rays, "occluded").sum().compute()) > 0
     True
     """
-    import dask.array
-
-    if not isinstance(rays, dask.array.Array):
+    if not isinstance(rays, import_module("dask.array").Array):
         raise ValueError("rays: a Dask array is needed; rdh.open(...).cast_rays takes others")
     if rays.ndim == 0 or rays.shape[-1] not in (6, 8):
         raise ValueError(f"rays: the shape must be (..., 6) or (..., 8), not {rays.shape}")
@@ -142,10 +142,20 @@ def _empty(axes: int, dtype: Any) -> Any:
     return np.empty((0,) * axes, dtype)
 
 
-@functools.lru_cache(maxsize=8)
+# Trees that are open in this process, by path and checksum. A cluster that casts through many gets the last ones.
+_open: collections.OrderedDict[tuple[str, int], rdh.Scene] = collections.OrderedDict()
+_opening = threading.Lock()
+
+
 def _opened(path: str, checksum: int) -> rdh.Scene:
     """The tree, opened once a process."""
-    return _reopen(path, checksum)
+    with _opening:
+        if (path, checksum) not in _open:
+            _open[path, checksum] = _reopen(path, checksum)
+        _open.move_to_end((path, checksum))
+        while len(_open) > 8:
+            _open.popitem(last=False)
+        return _open[path, checksum]
 
 
 def _closest(rays: Any, tree: tuple[str, int], fields: list[str], threads: int) -> dict[str, Any]:
