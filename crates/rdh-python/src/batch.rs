@@ -8,9 +8,15 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use rdh::Aabb;
 
-/// Rays that one thread takes at a time: so few that it soon asks again whether to go on.
-const CHUNK: usize = 512;
+use crate::order::order;
+use crate::rays::RayRows;
+
+/// So many rays are cast before it is asked again whether to go on.
+const STRIDE: usize = 512;
+/// Rays that one thread takes at a time, at most: the more, the better they can be ordered.
+const WINDOW: usize = 1 << 18;
 /// How long Ctrl-C may go unnoticed.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -28,7 +34,11 @@ impl Cancel {
 ///
 /// # Errors
 /// What the signal's handler raises, usually `KeyboardInterrupt`.
-pub(crate) fn supervise<T: Send>(py: Python<'_>, pool: &ThreadPool, work: impl FnOnce(&Cancel) -> T + Send) -> PyResult<T> {
+pub(crate) fn supervise<T: Send>(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    work: impl FnOnce(&Cancel) -> T + Send,
+) -> PyResult<T> {
     py.detach(|| {
         let cancel = Cancel(AtomicBool::new(false));
         let (finished, result) = mpsc::sync_channel(1);
@@ -58,6 +68,41 @@ pub(crate) fn supervise<T: Send>(py: Python<'_>, pool: &ThreadPool, work: impl F
     })
 }
 
+/// Some of a batch's rays, which one thread casts.
+pub(crate) struct Window<'a> {
+    rays: Range<usize>,
+    order: Option<Vec<u32>>,
+    cancel: Option<&'a Cancel>,
+}
+
+impl<'a> Window<'a> {
+    fn new(rays: Range<usize>, all: &RayRows<'_>, bounds: &Aabb, cancel: Option<&'a Cancel>) -> Self {
+        let order = order(rays.len(), bounds, |row| all.get(rays.start + row));
+        Self { rays, order, cancel }
+    }
+
+    /// How many rays there are.
+    pub(crate) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Does `work` for each ray, with its row in the window and its number in the batch, in the best order; stops if that is wanted.
+    #[inline]
+    pub(crate) fn each(&self, mut work: impl FnMut(usize, usize)) {
+        let first = self.rays.start;
+        for from in (0..self.len()).step_by(STRIDE) {
+            if self.cancel.is_some_and(Cancel::is_wanted) {
+                return;
+            }
+            let rows = from..self.len().min(from + STRIDE);
+            match &self.order {
+                None => rows.for_each(|row| work(row, first + row)),
+                Some(order) => order[rows].iter().for_each(|&row| work(row as usize, first + row as usize)),
+            }
+        }
+    }
+}
+
 /// Results with a row a ray, that can be shared out.
 pub(crate) trait Columns: Send {
     /// Takes off the first `rows` rows.
@@ -70,44 +115,55 @@ impl<T: Send> Columns for &mut [T] {
     }
 }
 
-/// Does `work` for all of `count` rays, chunk by chunk, each with its part of the columns.
+/// Does `work` for all rays, window by window, each with its part of the columns.
 ///
 /// # Errors
 /// As [`supervise`].
 pub(crate) fn fill<C: Columns>(
     py: Python<'_>,
     pool: &ThreadPool,
-    count: usize,
+    rays: &RayRows<'_>,
+    bounds: &Aabb,
     mut columns: C,
-    work: impl Fn(Range<usize>, C) + Sync,
+    work: impl Fn(&Window<'_>, C) + Sync,
 ) -> PyResult<()> {
-    if count <= CHUNK {
-        py.detach(|| work(0..count, columns));
+    if rays.len() <= STRIDE {
+        py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None), columns));
         return Ok(());
     }
-    let chunks: Vec<(Range<usize>, C)> = chunks(count).map(|chunk| (chunk.clone(), columns.take(chunk.len()))).collect();
+    let parts = windows(rays.len(), pool).map(|window| (window.clone(), columns.take(window.len())));
+    let parts: Vec<(Range<usize>, C)> = parts.collect();
     supervise(py, pool, |cancel| {
-        chunks.into_par_iter().filter(|_| !cancel.is_wanted()).for_each(|(rays, columns)| work(rays, columns));
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.for_each(|(window, columns)| work(&Window::new(window, rays, bounds, Some(cancel)), columns));
     })
 }
 
-/// Does `work` for all of `count` rays, chunk by chunk, and keeps what it returns, in order.
+/// Does `work` for all rays, window by window, and keeps what it returns, in the order of the rays.
 ///
 /// # Errors
 /// As [`supervise`].
 pub(crate) fn map<T: Send>(
     py: Python<'_>,
     pool: &ThreadPool,
-    count: usize,
-    work: impl Fn(Range<usize>) -> T + Sync + Send,
+    rays: &RayRows<'_>,
+    bounds: &Aabb,
+    work: impl Fn(&Window<'_>) -> T + Sync + Send,
 ) -> PyResult<Vec<T>> {
-    if count <= CHUNK {
-        return Ok(vec![py.detach(|| work(0..count))]);
+    if rays.len() <= STRIDE {
+        return Ok(vec![py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None)))]);
     }
-    let chunks: Vec<Range<usize>> = chunks(count).collect();
-    supervise(py, pool, |cancel| chunks.into_par_iter().filter(|_| !cancel.is_wanted()).map(&work).collect())
+    let parts: Vec<Range<usize>> = windows(rays.len(), pool).collect();
+    supervise(py, pool, |cancel| {
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.map(|window| work(&Window::new(window, rays, bounds, Some(cancel)))).collect()
+    })
 }
 
-fn chunks(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count).step_by(CHUNK).map(move |first| first..count.min(first + CHUNK))
+/// Windows over so many rays: four a thread, so that all end at about the same time; but no smaller than it is worth, and no larger
+/// than caches hold.
+fn windows(count: usize, pool: &ThreadPool) -> impl Iterator<Item = Range<usize>> + use<> {
+    let parts = if pool.current_num_threads() == 1 { 1 } else { 4 * pool.current_num_threads() };
+    let window = count.div_ceil(parts).clamp(STRIDE, WINDOW);
+    (0..count).step_by(window).map(move |first| first..count.min(first + window))
 }

@@ -1,7 +1,5 @@
 //! Batches in Open3D's shapes.
 
-use std::ops::Range;
-
 use numpy::{Element, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -9,7 +7,7 @@ use rayon::ThreadPool;
 use rdh::{Hit, Mesh};
 
 use crate::arrays::{refuse, zeros};
-use crate::batch::{self, Columns};
+use crate::batch::{self, Columns, Window};
 use crate::rays::RayRows;
 use crate::world::{Caster, World};
 
@@ -120,10 +118,8 @@ pub(crate) fn closest<'py>(
         primitive_normals: rows(&mut primitive_normals)?,
     };
     let caster = world.caster();
-    batch::fill(py, pool, rays.len(), fields, |range, mut fields| {
-        for (row, ray) in range.enumerate() {
-            fields.set(row, caster.closest(&rays.get(ray)), &world.mesh);
-        }
+    batch::fill(py, pool, rays, &caster.accel.bounds(), fields, |window, mut fields| {
+        window.each(|row, ray| fields.set(row, caster.closest(&rays.get(ray)), caster.accel.mesh()));
     })?;
     rays.check("rays")?;
     Ok(made.result)
@@ -172,21 +168,42 @@ pub(crate) fn each<'py, T: Element>(
     let array = zeros::<T>(py, shape)?;
     let mut held = array.try_readwrite()?;
     let caster = world.caster();
-    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |range, rows| {
+    batch::fill(py, pool, rays, &caster.accel.bounds(), held.as_slice_mut()?, |window, rows| {
         let mut hits = Vec::new();
-        for (row, ray) in rows.iter_mut().zip(range) {
-            *row = answer(&caster, &rays.get(ray), &mut hits);
-        }
+        window.each(|row, ray| rows[row] = answer(&caster, &rays.get(ray), &mut hits));
     })?;
     rays.check(argument)?;
     Ok(array.into_any())
 }
 
-/// All hits of some rays, one ray after the other.
-struct Hits {
-    /// How many each ray has.
-    counts: Vec<usize>,
-    hits: Vec<Hit>,
+/// What is found for the rays of a window: several things a ray, ray by ray, but found in any order.
+pub(crate) struct Found<T> {
+    /// Where in `things` those of each ray begin, and how many they are.
+    spans: Vec<(usize, usize)>,
+    things: Vec<T>,
+}
+
+impl<T> Found<T> {
+    /// Asks for each ray of a window what there is; `find` adds it to the things.
+    pub(crate) fn by(window: &Window<'_>, mut find: impl FnMut(usize, &mut Vec<T>)) -> Self {
+        let mut found = Self { spans: vec![(0, 0); window.len()], things: Vec::new() };
+        window.each(|row, ray| {
+            let first = found.things.len();
+            find(ray, &mut found.things);
+            found.spans[row] = (first, found.things.len() - first);
+        });
+        found
+    }
+
+    /// How many things there are.
+    pub(crate) fn len(&self) -> usize {
+        self.things.len()
+    }
+
+    /// The things of each ray.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &[T]> {
+        self.spans.iter().map(|&(first, count)| &self.things[first..first + count])
+    }
 }
 
 /// All hits of all rays, as one list with the places at which it is split.
@@ -195,16 +212,23 @@ struct Hits {
 /// As [`closest`].
 pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays: &RayRows<'_>) -> PyResult<Bound<'py, PyDict>> {
     let caster = world.caster();
-    let parts = batch::map(py, pool, rays.len(), |range| all_hits(&caster, rays, range))?;
+    let parts = batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
+        let mut of_one = Vec::new();
+        Found::by(window, |ray, all| {
+            caster.all_hits(&rays.get(ray), &mut of_one);
+            all.extend_from_slice(&of_one);
+        })
+    })?;
     rays.check("rays")?;
-    let count = parts.iter().map(|part| part.hits.len()).sum();
-    let mut ends = 0;
-    let splits = parts.iter().flat_map(|part| &part.counts).map(|n| {
-        ends += *n as i64;
-        ends
+    let rows = || parts.iter().flat_map(Found::rows);
+    let hits = || rows().flatten();
+    let count = parts.iter().map(Found::len).sum();
+    let mut end = 0;
+    let splits = rows().map(|hits| {
+        end += hits.len() as i64;
+        end
     });
-    let ray_ids = parts.iter().flat_map(|part| &part.counts).enumerate().flat_map(|(ray, n)| std::iter::repeat_n(ray as i64, *n));
-    let hits = || parts.iter().flat_map(|part| &part.hits);
+    let ray_ids = rows().enumerate().flat_map(|(ray, hits)| std::iter::repeat_n(ray as i64, hits.len()));
     let result = PyDict::new(py);
     result.set_item("ray_splits", filled(py, &[rays.len() + 1], std::iter::once(0).chain(splits))?)?;
     result.set_item("ray_ids", filled(py, &[count], ray_ids)?)?;
@@ -213,17 +237,6 @@ pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays:
     result.set_item(FIELDS[2], filled(py, &[count], hits().map(|h| h.tri.0))?)?;
     result.set_item(FIELDS[3], filled(py, &[count, 2], hits().flat_map(|h| [h.u, h.v]))?)?;
     Ok(result)
-}
-
-fn all_hits(caster: &Caster, rays: &RayRows<'_>, range: Range<usize>) -> Hits {
-    let mut found = Hits { counts: Vec::with_capacity(range.len()), hits: Vec::new() };
-    let mut of_one = Vec::new();
-    for ray in range {
-        caster.all_hits(&rays.get(ray), &mut of_one);
-        found.counts.push(of_one.len());
-        found.hits.extend_from_slice(&of_one);
-    }
-    found
 }
 
 /// A new array with these numbers.

@@ -72,7 +72,7 @@ impl Profile {
     /// Writes it as a ``.rays`` file, which ``Profile.open`` and the program ``rdh`` read. Raises ``OSError``.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         let bytes = self.sample()?.to_bytes();
-        rdh_study::files::write_whole(&path, &bytes).map_err(|e| from_system(Some(&path), e))
+        rdh_scene::files::write_whole(&path, &bytes).map_err(|e| from_system(Some(&path), e))
     }
 
     /// How many rays were cast while it was recorded.

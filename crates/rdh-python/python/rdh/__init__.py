@@ -6,6 +6,6 @@ that the scene can be rebuilt for them; ``rdh.dask`` casts arrays of any size on
 compares with what else is installed.
 """
 
-from rdh._rdh import INVALID_ID, Profile, Record, Scene, __version__, load, record
+from rdh._rdh import INVALID_ID, Profile, Record, Scene, __version__, load, open, record
 
-__all__ = ["INVALID_ID", "Profile", "Record", "Scene", "__version__", "load", "record"]
+__all__ = ["INVALID_ID", "Profile", "Record", "Scene", "__version__", "load", "open", "record"]

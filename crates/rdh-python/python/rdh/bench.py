@@ -9,6 +9,7 @@ where Embree's arithmetic decides otherwise.
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import pathlib
 import statistics
@@ -16,6 +17,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -58,9 +60,7 @@ class Scene:
 
 def icosphere(side: int) -> Scene:
     """A ball of 81,920 triangles, seen from outside by a camera of ``side`` x ``side`` pixels."""
-    import trimesh
-
-    mesh = trimesh.creation.icosphere(subdivisions=6)
+    mesh = import_module("trimesh").creation.icosphere(subdivisions=6)
     x, y = np.meshgrid(np.linspace(-0.42, 0.42, side), np.linspace(0.42, -0.42, side))
     directions = np.stack([x.ravel(), y.ravel(), np.full(x.size, -1.0)], axis=1)
     eyes = np.broadcast_to([0.0, 0.0, 2.8], directions.shape)
@@ -111,9 +111,7 @@ def our_queries(scene: Scene, spec: str, rays: np.ndarray[Any, Any], mesh: Any) 
 
 def trimesh_queries(rays: np.ndarray[Any, Any], mesh: Any) -> dict[str, Query]:
     """What trimesh answers by embreex."""
-    from trimesh.ray import ray_pyembree
-
-    theirs = ray_pyembree.RayMeshIntersector(mesh)
+    theirs = import_module("trimesh.ray.ray_pyembree").RayMeshIntersector(mesh)
     apart = np.ascontiguousarray(rays[:, :3]), np.ascontiguousarray(rays[:, 3:])
     return {
         "first": lambda: theirs.intersects_first(*apart),
@@ -125,11 +123,8 @@ def trimesh_queries(rays: np.ndarray[Any, Any], mesh: Any) -> dict[str, Query]:
 
 def embreex_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query]:
     """What embreex answers, as it is set by default (robust)."""
-    from embreex import rtcore_scene
-    from embreex.mesh_construction import TriangleMesh
-
-    theirs = rtcore_scene.EmbreeScene()
-    TriangleMesh(theirs, scene.vertices.astype(np.float32), scene.faces.astype(np.int32))
+    theirs = import_module("embreex.rtcore_scene").EmbreeScene()
+    import_module("embreex.mesh_construction").TriangleMesh(theirs, scene.vertices.astype(np.float32), scene.faces.astype(np.int32))
     apart = np.ascontiguousarray(rays[:, :3]), np.ascontiguousarray(rays[:, 3:])
     return {
         "closest": lambda: theirs.run(*apart),
@@ -140,8 +135,7 @@ def embreex_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query
 
 def open3d_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query]:
     """What Open3D answers."""
-    import open3d
-
+    open3d = import_module("open3d")
     theirs = open3d.t.geometry.RaycastingScene(nthreads=1)
     tensor = open3d.core.Tensor
     theirs.add_triangles(tensor(scene.vertices.astype(np.float32)), tensor(scene.faces.astype(np.uint32)))
@@ -176,9 +170,7 @@ def cpu_secs(query: Query) -> float:
 
 def race(scene: Scene, kind: str, rays: np.ndarray[Any, Any], spec: str, rounds: int) -> Iterator[Row]:
     """Compares answers, then times, query by query."""
-    import trimesh
-
-    mesh = trimesh.Trimesh(scene.vertices, scene.faces, process=False)
+    mesh = import_module("trimesh").Trimesh(scene.vertices, scene.faces, process=False)
     ours = our_queries(scene, spec, rays, mesh)
     others = list(contestants(scene, rays, mesh))
     for query, ask in ours.items():
@@ -216,13 +208,14 @@ def main(arguments: list[str] | None = None) -> int:
     if given.side < 1 or given.rounds < 1:
         parser.error("--side and --rounds must be 1 or more")
     try:
-        import trimesh as _
+        import_module("trimesh")
     except ImportError:
         parser.error("trimesh is needed to compare with: pip install trimesh embreex")
     beside = pathlib.Path("../shared/scenes")
     folder = given.scenes or (beside if (beside / "scenes.toml").is_file() else None)
     names = given.mesh or (["country-kitchen"] if folder else [])
-    scenes = [lambda: icosphere(given.side), *(lambda name=name: loaded(name, folder, given.side) for name in names)]
+    scenes: list[Callable[[], Scene]] = [functools.partial(icosphere, given.side)]
+    scenes += [functools.partial(loaded, name, folder, given.side) for name in names]
     rows: list[Row] = []
     if not given.json:
         print(f"{'scene':16} {'rays':10} {'query':20} {'engine':20} {'Mrays/s':>8} {'speed-up':>8} {'differ':>8}")
