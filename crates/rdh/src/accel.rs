@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
 use crate::probe::Counts;
-use crate::rays::Training;
+use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
 
@@ -36,6 +36,8 @@ pub struct Provenance {
     pub settings: Value,
     /// Why this structure and no other.
     pub evidence: Option<Value>,
+    /// Rays by which nothing was built or chosen: what it may be judged by, now and later.
+    pub unseen: Option<Profile>,
 }
 
 /// The closed set of structures: an enum costs nothing here.
@@ -89,6 +91,7 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check()?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -112,7 +115,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
         StructureSpec::Auto => Err(nameless(spec)),
@@ -121,7 +124,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
