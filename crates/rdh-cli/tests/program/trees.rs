@@ -33,15 +33,15 @@ fn a_tree_for_rays_is_proved_by_those_that_it_has_not_seen() {
     let samples = json(&["rays", &rays, "--json"])["files"][0]["samples"].as_u64().unwrap();
     let [trained, unseen] = ["trained_on", "unseen_rays"].map(|key| built[key].as_u64().unwrap());
     assert!(trained > 2 * samples / 5 && unseen > samples / 5 && trained + unseen < samples, "{built}");
-    let proved = json(&["verify", &tree, "--counts-only", "--json"]);
+    let proved = json(&["verify", &tree, "--samples", "40", "--counts-only", "--json"]);
     assert_eq!((proved["ok"].as_bool(), proved["brute_force"]["different"].as_u64()), (Some(true), Some(0)));
     let race = &proved["races"][0];
     assert_eq!((race["base"].as_str(), race["rays"].as_u64()), (Some("bvh8+sah"), Some(unseen)));
     assert!(race["steps_ratio"].as_f64().unwrap() < 1.0 && race["time_ratio"].is_null(), "{race}");
     // The same rays again, out of their file: the tree's own seed tells which they are.
-    let again = json(&["verify", &tree, "--rays", &rays, "--counts-only", "--json"]);
+    let again = json(&["verify", &tree, "--samples", "40", "--rays", &rays, "--counts-only", "--json"]);
     assert_eq!(again["races"], proved["races"]);
-    let timed = json(&["verify", &tree, "--rounds", "3", "--margin", "1", "--json"]);
+    let timed = json(&["verify", &tree, "--samples", "40", "--rounds", "3", "--margin", "1", "--json"]);
     assert!(timed["races"][0]["time_ratio"].as_f64().unwrap() > 0.0);
 }
 
@@ -59,8 +59,8 @@ fn a_slower_tree_is_refused_with_exit_code_3() {
     let folder = tempfile::tempdir().unwrap();
     let rays = record(folder.path());
     let tree = build(folder.path(), "a.rdh", &["--spec", "kd+rdh", "--rays", &rays]);
-    rdh(&["verify", &tree, "--counts-only"]).succeeded();
-    let ran = rdh(&["verify", &tree, "--counts-only", "--base", "kd+sah,bvh8+sah"]);
+    rdh(&["verify", &tree, "--samples", "40", "--counts-only"]).succeeded();
+    let ran = rdh(&["verify", &tree, "--samples", "40", "--counts-only", "--base", "kd+sah,bvh8+sah"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stdout);
     assert!(
         ran.stderr.contains("slower than bvh8+sah") && ran.stdout.contains("slower than bvh8+sah"),
@@ -91,9 +91,9 @@ fn break_tree(file: &str) {
 fn a_broken_tree_is_refused_with_exit_code_3_and_an_altered_file_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let tree = build(folder.path(), "a.rdh", &[]);
-    rdh(&["verify", &tree]).succeeded();
+    rdh(&["verify", &tree, "--samples", "40"]).succeeded();
     break_tree(&tree);
-    let ran = rdh(&["verify", &tree, "--json"]);
+    let ran = rdh(&["verify", &tree, "--samples", "40", "--json"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stderr);
     let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((found["ok"].as_bool(), found["brute_force"].is_null()), (Some(false), true));
@@ -101,7 +101,7 @@ fn a_broken_tree_is_refused_with_exit_code_3_and_an_altered_file_is_an_error() {
     let mut bytes = fs::read(&tree).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
     fs::write(&tree, &bytes).unwrap();
-    rdh(&["verify", &tree]).failed(1, &["a.rdh", "byte 16", "checksum"]);
+    rdh(&["verify", &tree, "--samples", "40"]).failed(1, &["a.rdh", "byte 16", "checksum"]);
     rdh(&["cast", &tree, "--rays", "x.npy", "-o", "y.npy"]).failed(1, &["a.rdh", "byte 16"]);
     fs::write(&tree, &bytes[..1000]).unwrap();
     rdh(&["scenes", &tree]).failed(1, &["a.rdh", "byte 1000"]);
@@ -139,7 +139,7 @@ fn what_makes_no_sense_is_a_usage_error() {
     rdh(&["build", "rooms", "--rays", &set("unseen"), "-o", &out]).failed(2, &["unseen", "not for building"]);
     rdh(&["build", "rooms", "--rays", &set("training"), "-o", &out]).succeeded();
     rdh(&["verify", &out, "--rays", &set("training")]).failed(2, &["does not judge"]);
-    rdh(&["verify", &out, "--rays", &set("unseen"), "--counts-only"]).succeeded();
+    rdh(&["verify", &out, "--samples", "40", "--rays", &set("unseen"), "--counts-only"]).succeeded();
     rdh(&["verify", &out, "--base", "kd+rdh"]).failed(2, &["by areas"]);
     rdh(&["build", "rooms", "-o", "no-such-folder/a.rdh"]).failed(1, &["no-such-folder"]);
 }
