@@ -38,6 +38,7 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Verify(args) => commands::verify::run(args, &context),
         Command::Cast(args) => commands::cast::run(args, &context),
         Command::Convert(args) => commands::convert::run(args, &context),
+        Command::Tune(args) => commands::tune::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
         Command::Report(args) => commands::report::run(args, &context),
         Command::Bench(args) => commands::bench::run(args, &context),

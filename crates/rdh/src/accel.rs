@@ -65,7 +65,7 @@ macro_rules! each {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stats {
-    /// What was asked for, in full; what was really built never differs from it.
+    /// What was asked for, in full; what was really built never differs from it. For `auto` this is what it chose.
     pub spec: Spec,
     /// Triangles of the mesh.
     pub triangles: usize,
@@ -85,11 +85,12 @@ pub struct Stats {
     pub trained_on: usize,
 }
 
-/// Builds what `spec` names, from `rays` where its heuristic asks for them.
+/// Builds what `spec` names, from `rays` where its heuristic asks for them. It names one structure; `auto` is resolved by
+/// [`crate::build()`].
 ///
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
-pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -113,15 +114,16 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
+        StructureSpec::Auto => Err(nameless(spec)),
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
@@ -132,6 +134,11 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             })
         }
     }
+}
+
+/// For a spec that leaves the choice open.
+fn nameless(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 impl Accel {
@@ -180,6 +187,11 @@ impl Accel {
     /// [`Self::occluded`], and what it cost, added to `counts`.
     pub fn occluded_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
         each!(&self.structure, tree => tree.occluded(ray, counts))
+    }
+
+    /// [`Self::all_hits`], and what it cost, added to `counts`.
+    pub fn all_hits_counted(&self, ray: &Ray, hits: &mut Vec<Hit>, counts: &mut Counts) {
+        each!(&self.structure, tree => tree.all_hits(ray, counts, hits));
     }
 
     /// What was built.
@@ -256,6 +268,7 @@ impl Structure {
     /// The structure of this kind that saved arrays make, checked.
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
+            StructureSpec::Auto => return Err(nameless(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match bvh.width {
                 Width::Two => Self::Bvh2(Bvh::from_parts(parts, mesh)?),

@@ -1,7 +1,8 @@
 //! Specs: what is to be built, as plain data with one text form everywhere, `STRUCTURE+HEURISTIC`.
 //!
 //! `kd+sah`, `kd(leaf=1,split=exact)+rdh(prior=32)`, `kd+rdh(paper)`: defaults are omitted, either part may come
-//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones.
+//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones. `auto` stands alone:
+//! what suits the rays, chosen by [`tune`](crate::tune()).
 
 use std::fmt;
 use std::str::FromStr;
@@ -29,6 +30,8 @@ pub enum StructureSpec {
     Kd(KdSpec),
     /// A bounding volume hierarchy.
     Bvh(BvhSpec),
+    /// Whichever suits the rays. Only [`Spec::AUTO`] has it; a finished structure is never of this kind.
+    Auto,
 }
 
 impl Default for StructureSpec {
@@ -38,9 +41,12 @@ impl Default for StructureSpec {
 }
 
 impl Spec {
-    /// Whether the heuristic needs a profile.
+    /// `auto`: structure and heuristic are chosen by the rays.
+    pub const AUTO: Self = Self { structure: StructureSpec::Auto, heuristic: HeuristicSpec::Sah };
+
+    /// Whether the heuristic, or the choice, needs a profile.
     pub fn needs_rays(&self) -> bool {
-        matches!(self.heuristic, HeuristicSpec::Rdh(_))
+        self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
     /// Parses a list of specs. Commas inside brackets don't separate.
@@ -57,6 +63,9 @@ impl FromStr for Spec {
 
     fn from_str(text: &str) -> Result<Self> {
         let fail = |reason: String| Error::Spec { spec: text.to_owned(), reason };
+        if text.trim() == "auto" {
+            return Ok(Self::AUTO);
+        }
         let (mut structure, mut heuristic) = (None, None);
         for part in split_outside_brackets(text, '+') {
             let part = Part::parse(part).map_err(fail)?;
@@ -67,7 +76,8 @@ impl FromStr for Spec {
                 }
                 "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
                 "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
-                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh")),
+                "auto" => Err("auto chooses structure and heuristic: it stands alone, without parameters".to_owned()),
+                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh; or auto")),
             }
             .map_err(fail)?;
         }
@@ -79,6 +89,7 @@ impl FromStr for Spec {
 impl fmt::Display for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.structure {
+            StructureSpec::Auto => return f.write_str("auto"),
             StructureSpec::Kd(kd) => write!(f, "kd{}+", brackets(&kd_parameters(kd)))?,
             StructureSpec::Bvh(bvh) => write!(f, "{}{}+", bvh_name(bvh), brackets(&bvh_parameters(bvh)))?,
         }
@@ -329,6 +340,7 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
@@ -356,6 +368,8 @@ mod tests {
             "kd+kd",
             "kd(leaf=8",
             "kd+sah+rdh",
+            "auto+sah",
+            "auto(x=1)",
         ] {
             assert!(text.parse::<Spec>().is_err(), "{text}");
         }

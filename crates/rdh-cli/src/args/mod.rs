@@ -12,6 +12,7 @@ mod report;
 mod scenes;
 mod shell;
 mod study;
+mod tune;
 mod values;
 mod verify;
 
@@ -31,6 +32,7 @@ pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
 pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use study::{MergeArgs, StudyArgs};
+pub(crate) use tune::TuneArgs;
 pub(crate) use values::{Place, Size, Slice};
 pub(crate) use verify::VerifyArgs;
 
@@ -62,7 +64,7 @@ pub(crate) enum Command {
     Scenes(ScenesArgs),
     /// Record the rays of a mode as a profile
     Record(RecordArgs),
-    /// Say what profiles hold; merge, thin or split them
+    /// Say what profiles hold and how far they are apart; merge, thin or split them
     Rays(RaysArgs),
     /// Build a structure and save it
     Build(BuildArgs),
@@ -72,6 +74,8 @@ pub(crate) enum Command {
     Cast(CastArgs),
     /// Convert between files of meshes, and between files of rays
     Convert(ConvertArgs),
+    /// Choose structure and heuristic by rays that are really cast
+    Tune(TuneArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
     /// Make one self-contained page of a study

@@ -13,4 +13,5 @@ pub(crate) mod report;
 pub(crate) mod scenes;
 pub(crate) mod shell;
 pub(crate) mod study;
+pub(crate) mod tune;
 pub(crate) mod verify;

@@ -10,4 +10,5 @@ mod run;
 mod scenes;
 mod study;
 mod trees;
+mod tune;
 mod usage;

@@ -36,13 +36,13 @@ fn a_tree_for_rays_is_proved_by_those_that_it_has_not_seen() {
     let proved = json(&["verify", &tree, "--samples", "40", "--counts-only", "--json"]);
     assert_eq!((proved["ok"].as_bool(), proved["brute_force"]["different"].as_u64()), (Some(true), Some(0)));
     let race = &proved["races"][0];
-    assert_eq!((race["base"].as_str(), race["rays"].as_u64()), (Some("bvh8+sah"), Some(unseen)));
-    assert!(race["steps_ratio"].as_f64().unwrap() < 1.0 && race["time_ratio"].is_null(), "{race}");
+    assert_eq!((race["base"].as_str(), race["found"]["rays"].as_u64()), (Some("bvh8+sah"), Some(unseen)));
+    assert!(race["found"]["counts"]["ratio"].as_f64().unwrap() < 1.0 && race["found"]["time"].is_null(), "{race}");
     // The same rays again, out of their file: the tree's own seed tells which they are.
     let again = json(&["verify", &tree, "--samples", "40", "--rays", &rays, "--counts-only", "--json"]);
     assert_eq!(again["races"], proved["races"]);
     let timed = json(&["verify", &tree, "--samples", "40", "--rounds", "3", "--margin", "1", "--json"]);
-    assert!(timed["races"][0]["time_ratio"].as_f64().unwrap() > 0.0);
+    assert!(timed["races"][0]["found"]["time"]["ratio"].as_f64().unwrap() > 0.0);
 }
 
 #[test]
@@ -67,6 +67,21 @@ fn a_slower_tree_is_refused_with_exit_code_3() {
         "{}",
         ran.stdout
     );
+}
+
+#[test]
+fn a_tuned_tree_is_proved_by_its_own_rays_against_the_best_by_areas() {
+    let folder = tempfile::tempdir().unwrap();
+    let tree = path(folder.path(), "t.rdh");
+    let args = ["tune", "rooms", "--size", "48x48", "--candidates", "kd+sah,bvh8+sah,bvh8+rdh", "--counts-only"];
+    let tuned = json(&[&args[..], &["-o", &tree, "--json"]].concat())["cases"][0]["evidence"].take();
+    let proved = json(&["verify", &tree, "--samples", "40", "--counts-only", "--json"]);
+    assert_eq!((&proved["spec"], proved["ok"].as_bool()), (&tuned["spec"], Some(true)));
+    match proved["races"].as_array().unwrap().as_slice() {
+        [] => assert_eq!(tuned["spec"], tuned["base"]),
+        [race] => assert_eq!(race["base"], tuned["base"]),
+        _ => panic!("{proved}"),
+    }
 }
 
 /// Shrinks the box of the first leaf to a point and signs the file again: rays miss what is in it.

@@ -61,6 +61,12 @@ pub const FORMATS: &[Format] = &[
     Format { name: "rdh", about: "a saved tree: the mesh in it", read: tree::read },
 ];
 
+/// A scene of one mesh that comes from no file.
+pub(crate) fn place(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Scene> {
+    let part = assemble::Part { positions, triangles, ..assemble::Part::default() };
+    assemble::assemble(vec![part], [0.0, 0.0, 1.0], Vec::new())
+}
+
 /// The format of a file, by its extension in any case.
 ///
 /// # Errors

@@ -17,7 +17,7 @@ use crate::heuristic::Rdh;
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::{LANES, Level};
+use crate::simd::LANES;
 
 impl<const W: usize> Bvh<W> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
@@ -32,7 +32,11 @@ impl<const W: usize> Bvh<W> {
         let scale = Scale::of(&in_mesh);
         let build = Build { mesh, spec, guide, options, scale, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let tree = Self { tally, ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array()) };
+        let tree = Self {
+            tally,
+            level: options.level(),
+            ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array())
+        };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -120,7 +124,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: Level::best(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), bins, leaf }
     }
 
     fn is_parallel(&self) -> bool {

@@ -23,6 +23,7 @@ use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
 use crate::mem::reserve;
 use crate::options::{BuildOptions, Watch};
+use crate::simd::Level;
 
 /// Everything that stays the same for all nodes.
 pub(crate) struct Builder<'a> {
@@ -33,6 +34,7 @@ pub(crate) struct Builder<'a> {
     stop: StopRule,
     watch: Watch<'a>,
     parallel: bool,
+    level: Level,
 }
 
 /// A node to be built.
@@ -77,6 +79,7 @@ impl<'a> Builder<'a> {
             stop: StopRule::new(&spec, n, options.max_depth),
             watch: Watch::new(options, n),
             parallel: options.threads != Some(1),
+            level: options.level(),
         }
     }
 
@@ -97,7 +100,7 @@ impl<'a> Builder<'a> {
 
     /// Large subtrees: both sides in parallel.
     fn grow(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches, Grown)> {
-        let mut search = Search::new(self.heuristic, self.costs, self.spec.split);
+        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;

@@ -46,8 +46,7 @@ enum How {
 const EXACT_UP_TO: usize = 32;
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch) -> Self {
-        let level = Level::best();
+    pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch, level: Level) -> Self {
         Self { heuristic, costs, search, level, events: Events::new(level), left: Vec::new(), right: Vec::new() }
     }
 

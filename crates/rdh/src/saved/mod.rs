@@ -50,6 +50,8 @@ const NOT_HERE: &str = "saved trees are for little-endian machines";
 /// Which arrays a structure is made of, as a number.
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
+        // Nothing that is built, and no file.
+        StructureSpec::Auto => 0,
         StructureSpec::Kd(_) => 1,
         StructureSpec::Bvh(bvh) => bvh.width.children(),
     }
