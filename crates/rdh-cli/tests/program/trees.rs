@@ -58,7 +58,7 @@ fn the_same_seed_gives_the_same_file_on_any_number_of_threads() {
 fn a_slower_tree_is_refused_with_exit_code_3() {
     let folder = tempfile::tempdir().unwrap();
     let rays = record(folder.path());
-    let tree = build(folder.path(), "a.rdh", &["--spec", "kd+rdh", "--rays", &rays]);
+    let tree = build(folder.path(), "a.rdh", &["--spec", "kd+sah", "--rays", &rays]);
     rdh(&["verify", &tree, "--samples", "40", "--counts-only"]).succeeded();
     let ran = rdh(&["verify", &tree, "--samples", "40", "--counts-only", "--base", "kd+sah,bvh8+sah"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stdout);
