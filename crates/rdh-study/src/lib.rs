@@ -5,7 +5,7 @@
 //!  bench        our structures and other libraries' side by side
 //!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
-//!  verify       brute force and a race by areas, for a finished tree
+//!  verify       a finished structure beside brute force
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
 //!  run          all cases of a plan, row by row

@@ -42,12 +42,31 @@ pub fn confirm(
     options: &TuneOptions<'_>,
     clock: Option<Clock<'_>>,
 ) -> Result<Option<Confirmed>> {
+    match &tuned.sah {
+        Some(sah) => confirm_against(&tuned.accel, sah, unseen, options, clock),
+        None => options.check(clock.is_some()).map(|()| None),
+    }
+}
+
+/// [`confirm`], of any structure against any other one: whoever chose it, and when. Nothing if there are too few rays.
+///
+/// # Errors
+/// Options that make no sense.
+pub fn confirm_against(
+    accel: &Accel,
+    sah: &Accel,
+    unseen: &Unseen,
+    options: &TuneOptions<'_>,
+    clock: Option<Clock<'_>>,
+) -> Result<Option<Confirmed>> {
     options.check(clock.is_some())?;
     let deck = Deck::deal(unseen.samples(), &options.class_weights);
-    let Some(sah) = tuned.sah.as_ref().filter(|_| deck.too_few("unseen").is_none()) else { return Ok(None) };
+    if deck.too_few("unseen").is_some() {
+        return Ok(None);
+    }
     let base = sah.stats().spec;
     let rule = |measure| Rule { measure, margin: 0.0, interval_risk: options.risk / 2.0 };
-    let pair = [&tuned.accel, sah];
+    let pair = [accel, sah];
     let counted = pair.map(|accel| vec![score::count(accel, &deck).score]);
     let timed = clock.map(|clock| sessions(pair, &deck, options.rounds, clock));
     Ok(Some(Confirmed {
