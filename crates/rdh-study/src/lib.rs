@@ -3,6 +3,7 @@
 //! ```text
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
+//!  builds       what builds cost on one thread and two
 //!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
 //!  summary      ratios to a base, with intervals
@@ -15,6 +16,7 @@
 //! Each layer uses only those below it.
 
 pub mod bench;
+pub mod builds;
 pub mod clock;
 pub mod error;
 pub mod files;
