@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
 use crate::probe::Counts;
-use crate::rays::Training;
+use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
 
@@ -36,6 +36,8 @@ pub struct Provenance {
     pub settings: Value,
     /// Why this structure and no other.
     pub evidence: Option<Value>,
+    /// Rays by which nothing was built or chosen: what it may be judged by, now and later.
+    pub unseen: Option<Profile>,
 }
 
 /// The closed set of structures: an enum costs nothing here.
@@ -116,7 +118,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
-        StructureSpec::Auto => Err(not_built(spec)),
+        StructureSpec::Auto => Err(nameless(spec)),
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
@@ -133,6 +135,11 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             })
         }
     }
+}
+
+/// For a spec that leaves the choice open.
+fn nameless(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 impl Accel {
@@ -262,13 +269,13 @@ impl Structure {
     /// The structure of this kind that saved arrays make, checked.
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
+            StructureSpec::Auto => return Err(nameless(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match bvh.width {
                 Width::Two => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
                 Width::Four => Self::Bvh4(Bvh::from_parts(parts, mesh)?),
                 Width::Eight => Self::Bvh8(Bvh::from_parts(parts, mesh)?),
             },
-            StructureSpec::Auto => return Err(not_built(spec)),
         })
     }
 
@@ -285,10 +292,6 @@ impl Structure {
         let bytes = each!(self, tree => tree.bytes());
         Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }
     }
-}
-
-fn not_built(spec: &Spec) -> Error {
-    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 fn bvh_stats(t: crate::bvh::Tally) -> (usize, usize, usize, usize, usize) {

@@ -47,6 +47,17 @@ pub use rays::{Drift, HeldOut, Profile, Query, RayClass, RaySample, Recorder, Tr
 pub use spec::{Spec, StructureSpec};
 pub use tune::{TuneOptions, Tuned, tune};
 
+/// What fuzz targets look at beyond what users see.
+#[cfg(fuzzing)]
+pub mod fuzzing {
+    use crate::geom::{Aabb, Axis, Vec3};
+
+    /// The boxes of a triangle's parts on both sides of a plane.
+    pub fn split_triangle(corners: &[Vec3; 3], axis: Axis, plane: f32) -> (Aabb, Aabb) {
+        crate::clip::split_triangle(corners, axis, plane)
+    }
+}
+
 /// The README's example, compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -71,6 +71,9 @@ fn where_rays_are_stopped_a_structure_for_them_wins_and_the_third_set_agrees() {
     assert!(evidence.spec.needs_rays() && !evidence.base.needs_rays());
     assert_eq!(evidence.spec, tuned.accel.stats().spec);
     assert!(evidence.reason.starts_with(&evidence.spec.to_string()), "{}", evidence.reason);
+    let saved = rdh::Accel::from_bytes(&tuned.accel.to_bytes().unwrap()).unwrap();
+    let kept: Evidence = serde_json::from_value(saved.provenance().evidence.clone().unwrap()).unwrap();
+    assert_eq!(kept, *evidence);
     assert!(taken.gap.is_some_and(|gap| (0.9..1.2).contains(&gap)), "{:?}", taken.gap);
     let confirmed = confirm(&tuned, &unseen, &TuneOptions::default(), None).unwrap().unwrap();
     assert!(confirmed.counts.ratio < 1.0 && !confirmed.is_slower(0.05) && confirmed.time.is_none());

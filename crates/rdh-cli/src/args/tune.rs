@@ -50,4 +50,7 @@ pub(crate) struct TuneArgs {
     /// Width and height of the film: one path a pixel
     #[arg(long, value_name = "WxH", default_value = "512x512")]
     pub size: Size,
+    /// The structure to write, with the evidence; for one mode of one view (the scene's first one unless it is named)
+    #[arg(short, long, value_name = "F.rdh")]
+    pub output: Option<PathBuf>,
 }

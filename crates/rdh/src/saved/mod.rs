@@ -25,6 +25,8 @@ mod header;
 mod read;
 mod write;
 
+pub use read::read_mesh;
+
 use description::Description;
 
 use crate::accel::Accel;
@@ -45,25 +47,24 @@ const ALIGN: usize = 64;
 const LITTLE_ENDIAN: bool = cfg!(target_endian = "little");
 const NOT_HERE: &str = "saved trees are for little-endian machines";
 
-/// What was built is never `auto`.
-const NO_LAYOUT: u32 = 0;
-
 /// Which arrays a structure is made of, as a number.
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
+        // Nothing that is built, and no file.
+        StructureSpec::Auto => 0,
         StructureSpec::Kd(_) => 1,
         StructureSpec::Bvh(bvh) => bvh.width.children(),
-        StructureSpec::Auto => NO_LAYOUT,
     }
 }
 
-/// All parts of a structure and its mesh, in the order of their numbers.
-fn parts(accel: &Accel) -> Vec<Written<'_>> {
+/// All parts of a structure, its mesh and its unseen rays, in the order of their numbers.
+fn parts<'a>(accel: &'a Accel, unseen: Option<&'a [u8]>) -> Vec<Written<'a>> {
     let mesh = accel.mesh();
     let mut parts =
         vec![Written::new(Part::Positions, mesh.positions()), Written::new(Part::Triangles, mesh.triangles())];
     parts.extend(mesh.masks().map(|masks| Written::new(Part::Masks, masks)));
     parts.extend(accel.structure().parts());
+    parts.extend(unseen.map(|rays| Written::new(Part::Unseen, rays)));
     parts
 }
 

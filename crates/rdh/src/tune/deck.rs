@@ -1,10 +1,13 @@
-//! Rays, dealt into blocks: a block is what is counted and timed as one, and what statistics are over.
+//! Rays in an order in which an application might cast them, dealt into blocks, which statistics are over.
 //!
-//! Samples are dealt out one after the other, so that each block is a fair sample of all classes. A sample that stands for
-//! several rays is cast more often than others, in one block: what is certain about it is certain only once.
+//! A sample has no order, and structures that are timed on shuffled rays differ less than they do in use. So the rays of a class
+//! are sorted by where they start, and those that start together by direction: as in tiles of a film, or along a surface, with
+//! directions as chance has it. They are cast in this order, in short runs, and the runs are dealt out one after the other, so that
+//! each block is a fair sample of everything. A sample that stands for several rays is cast more often than others, in one run:
+//! what is certain about it is certain only once.
 
 use super::interval::LEAST_BLOCKS;
-use crate::geom::Ray;
+use crate::geom::{Aabb, Ray};
 use crate::rays::{Query, RayClass, RaySample};
 
 /// Rays by class and query, in blocks.
@@ -28,13 +31,16 @@ pub(super) struct Group {
     pub(super) samples: usize,
     /// How many rays each cast one stands for, times what its class counts.
     pub(super) factor: f64,
-    pub(super) blocks: Vec<Vec<Ray>>,
+    /// In the order in which they are cast; run `i` belongs to block `i` modulo the number of blocks.
+    pub(super) runs: Vec<Vec<Ray>>,
 }
 
 /// With fewer rays nothing is sure.
 const LEAST_RAYS: usize = 256;
 /// So many distinct rays a block, if there are enough.
 const BLOCK_RAYS: usize = 128;
+/// Rays of a run, if there are enough: many times what reading the clock takes.
+const RUN_RAYS: usize = 64;
 /// More blocks say nothing more.
 const MOST_BLOCKS: usize = 33;
 
@@ -80,24 +86,48 @@ impl Group {
     fn deal(part: &[&RaySample], class_weight: f64, blocks: usize) -> Self {
         let total: f64 = part.iter().map(|s| f64::from(s.weight)).sum();
         let step = total / part.len() as f64;
-        let mut dealt = vec![Vec::new(); blocks];
         let mut sum = 0.0;
-        for (i, sample) in part.iter().enumerate() {
+        let mut copies = |sample: &RaySample| {
             // A systematic sample by weight: as many casts in all as there are samples.
             let before = (sum / step).round();
             sum += f64::from(sample.weight);
-            let copies = ((sum / step).round() - before) as usize;
-            dealt[i % blocks].extend(std::iter::repeat_n(sample.ray, copies));
-        }
-        let rays: usize = dealt.iter().map(Vec::len).sum();
+            ((sum / step).round() - before) as usize
+        };
+        let run = (part.len() / blocks).clamp(1, RUN_RAYS);
+        let cast = |run: &[&RaySample]| run.iter().flat_map(|s| std::iter::repeat_n(s.ray, copies(s))).collect();
+        let runs: Vec<Vec<Ray>> = in_order(part).chunks(run).map(cast).collect();
+        let rays: usize = runs.iter().map(Vec::len).sum();
         let factor = class_weight * total / rays.max(1) as f64;
-        Self { class: part[0].class, query: part[0].query, samples: part.len(), factor, blocks: dealt }
+        Self { class: part[0].class, query: part[0].query, samples: part.len(), factor, runs }
     }
 
     /// How many rays are cast.
     pub(super) fn rays(&self) -> usize {
-        self.blocks.iter().map(Vec::len).sum()
+        self.runs.iter().map(Vec::len).sum()
     }
+}
+
+/// Those that start near each other side by side, those that start together by direction: both along a Z curve.
+fn in_order<'s>(part: &[&'s RaySample]) -> Vec<&'s RaySample> {
+    let bounds = part.iter().fold(Aabb::EMPTY, |b, s| b.with(s.ray.origin));
+    let key = |s: &RaySample| {
+        let d = s.ray.direction;
+        let longest = d.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let place = |a: usize| (s.ray.origin[a] - bounds.min[a]) / (bounds.max[a] - bounds.min[a]);
+        (z_curve([0, 1, 2].map(place)), z_curve(d.map(|x| 0.5 + 0.5 * x / longest)))
+    };
+    let mut ordered: Vec<_> = part.iter().map(|&s| (key(s), s)).collect();
+    ordered.sort_by_key(|(key, _)| *key);
+    ordered.into_iter().map(|(_, s)| s).collect()
+}
+
+/// The place along a Z curve of a point from 0 to 1, in 2¹⁰ steps an axis; NaN counts as 0.
+fn z_curve(point: [f32; 3]) -> u32 {
+    let spread = |x: f32| {
+        let steps = (x * 1023.0) as u32;
+        (0..10).fold(0, |code, bit| code | (steps.min(1023) >> bit & 1) << (3 * bit))
+    };
+    spread(point[0]) | spread(point[1]) << 1 | spread(point[2]) << 2
 }
 
 /// An odd number of blocks.
@@ -125,8 +155,31 @@ mod tests {
         let samples: Vec<_> = (0..3000).map(|i| sample(i, 1)).collect();
         let deck = Deck::deal(&samples, &[1.0; 8]);
         assert_eq!((deck.groups.len(), deck.blocks, deck.samples(), deck.weight()), (2, 23, 3000, 3000.0));
-        assert!(deck.groups.iter().all(|g| g.blocks.iter().all(|b| (65..=66).contains(&b.len()))));
+        for group in &deck.groups {
+            let of = |b: usize| group.runs.iter().skip(b).step_by(deck.blocks).map(Vec::len).sum::<usize>();
+            assert!((0..deck.blocks).all(|b| (28..=66).contains(&of(b))), "{:?}", (0..23).map(of).collect::<Vec<_>>());
+        }
         assert_eq!(deck.effective, 3000.0);
+    }
+
+    #[test]
+    fn rays_of_neighbouring_pixels_and_points_are_cast_one_after_the_other() {
+        let way = |rays: &[Ray], at: fn(&Ray) -> [f32; 3]| {
+            let apart = |w: &[Ray]| (0..3).map(|a| (at(&w[0])[a] - at(&w[1])[a]).abs()).sum::<f32>();
+            rays.windows(2).map(apart).sum::<f32>() / rays.len() as f32
+        };
+        let at =
+            |i: u32| [i.wrapping_mul(0x9e37_79b9) >> 16, i.wrapping_mul(0x85eb_ca6b) >> 16].map(|x| x as f32 / 65536.0);
+        let sample =
+            |origin, direction| RaySample::new(Ray::new(origin, direction), None, Query::Closest, RayClass::Primary);
+        let film: Vec<_> = (0..4096).map(|i| sample([1.0; 3], [at(i)[0] - 0.5, at(i)[1] - 0.5, 1.0])).collect();
+        let ground: Vec<_> = (0..4096).map(|i| sample([at(i)[0], at(i)[1], 0.0], [at(9 * i)[0], 0.1, 1.0])).collect();
+        // Random neighbours are two thirds apart, sorted ones about 1/64.
+        for (samples, place) in [(film, (|r| r.direction) as fn(&Ray) -> [f32; 3]), (ground, |r| r.origin)] {
+            let deck = Deck::deal(&samples, &[1.0; 8]);
+            assert!(way(&deck.groups[0].runs.concat(), place) < 0.06);
+            assert_eq!(deck.groups[0].rays(), 4096);
+        }
     }
 
     #[test]
@@ -138,7 +191,7 @@ mod tests {
         let share = samples.iter().filter(|s| s.weight == 4).map(|s| s.weight).sum::<u32>() as f64 / f64::from(total);
         let deck = Deck::deal(&samples, &[2.0; 8]);
         let group = &deck.groups[0];
-        let heavy = group.blocks.iter().flatten().filter(|r| weight(r.origin[0] as usize / 2) == 4).count();
+        let heavy = group.runs.iter().flatten().filter(|r| weight(r.origin[0] as usize / 2) == 4).count();
         assert!((heavy as f64 / group.rays() as f64 - share).abs() < 0.03, "{heavy} of {}, {share}", group.rays());
         assert!((990..=1010).contains(&group.rays()) && (deck.weight() - 2.0 * f64::from(total)).abs() < 1e-6);
     }

@@ -27,7 +27,7 @@ pub use confirm::{Confirmed, confirm};
 pub use evidence::{ClassRatio, Comparison, Evidence, Measure, Outcome, RaysUsed, Rung, Trial};
 pub use options::{Clock, TuneOptions};
 
-use crate::accel::Accel;
+use crate::accel::{Accel, Provenance};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
@@ -39,7 +39,7 @@ use train::Workshop;
 /// What was chosen, and why.
 #[derive(Debug, Clone)]
 pub struct Tuned {
-    /// The structure to cast rays through.
+    /// The structure to cast rays through. Its [`Provenance`] holds the evidence as JSON, so that it is saved with it.
     pub accel: Accel,
     /// The best structure that needs no rays, against which it was chosen; nothing if it is that one itself.
     pub sah: Option<Accel>,
@@ -72,10 +72,11 @@ pub fn tune(
     let deck = Deck::deal(held_out.samples(), &options.class_weights);
     let lesson = Deck::deal(training.samples(), &options.class_weights);
     let shop = Workshop { mesh, candidates, training, options, clock };
-    match deck.too_few("held-out").or_else(|| lesson.too_few("training")) {
+    let tuned = match deck.too_few("held-out").or_else(|| lesson.too_few("training")) {
         Some(doubt) => race::only_areas(&shop, (&deck, &lesson), &doubt),
         None => race::run(&shop, &deck, &lesson),
-    }
+    }?;
+    Ok(tuned.noted())
 }
 
 /// What the spec `auto` means: [`tune`] over [`Spec::candidates`] by counts. A third of the rays, by a hash of their bits, is
@@ -93,6 +94,15 @@ pub fn auto(mesh: &Mesh, rays: &Training, build: &BuildOptions<'_>) -> Result<Tu
         &TuneOptions { build: *build, ..TuneOptions::default() },
         None,
     )
+}
+
+impl Tuned {
+    /// With the evidence among the structure's notes.
+    fn noted(self) -> Self {
+        let evidence = serde_json::to_value(&self.evidence).ok();
+        let accel = self.accel.with_provenance(Provenance { evidence, ..Provenance::default() });
+        Self { accel, ..self }
+    }
 }
 
 fn check(candidates: &[Spec]) -> Result<()> {

@@ -42,8 +42,8 @@ impl Score {
 /// Casts all rays once and counts, on rayon's current threads; the result doesn't depend on how many.
 pub(super) fn count(accel: &Accel, deck: &Deck) -> Counted {
     let costs = StepCosts::of(&accel.stats().spec);
-    let counts: Vec<Vec<Counts>> = deck.groups.iter().map(|group| count_group(accel, group)).collect();
-    let nanos = |of: &Vec<Counts>| of.iter().map(|c| costs.nanos(c.steps(), c.tests)).collect();
+    let counts: Vec<Vec<Counts>> = deck.groups.iter().map(|group| count_runs(accel, group)).collect();
+    let nanos = |of: &Vec<Counts>| by_block(of.iter().map(|c| costs.nanos(c.steps(), c.tests)), deck.blocks);
     let per_ray = |what: fn(&Counts) -> u64| {
         let totals = counts.iter().map(|of| of.iter().map(what).sum::<u64>());
         let weighed: f64 = totals.zip(&deck.groups).map(|(total, group)| group.factor * total as f64).sum();
@@ -56,8 +56,8 @@ pub(super) fn count(accel: &Accel, deck: &Deck) -> Counted {
     }
 }
 
-fn count_group(accel: &Accel, group: &Group) -> Vec<Counts> {
-    let block = |rays: &Vec<Ray>| {
+fn count_runs(accel: &Accel, group: &Group) -> Vec<Counts> {
+    let run = |rays: &Vec<Ray>| {
         let (mut counts, mut hits) = (Counts::default(), Vec::new());
         for ray in rays {
             match group.query {
@@ -68,29 +68,39 @@ fn count_group(accel: &Accel, group: &Group) -> Vec<Counts> {
         }
         counts
     };
-    group.blocks.par_iter().map(block).collect()
+    group.runs.par_iter().map(run).collect()
 }
 
-/// The best of `rounds` times of each block. In each round every structure casts all rays in turn, and the order of structures is
+/// Sums of the runs of each block.
+fn by_block(runs: impl Iterator<Item = f64>, blocks: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; blocks];
+    runs.enumerate().for_each(|(i, nanos)| sums[i % blocks] += nanos);
+    sums
+}
+
+/// The best of `rounds` times of each run. In each round every structure casts all rays in turn, and the order of structures is
 /// rotated, so that whatever drifts meets all alike.
 pub(super) fn time(accels: &[&Accel], deck: &Deck, rounds: usize, clock: Clock<'_>) -> Vec<Score> {
-    let unknown = || deck.groups.iter().map(|g| vec![f64::INFINITY; g.blocks.len()]).collect();
-    let mut scores: Vec<Score> = accels.iter().map(|_| Score { nanos: unknown() }).collect();
+    let unknown = || deck.groups.iter().map(|g| vec![f64::INFINITY; g.runs.len()]).collect();
+    let mut best: Vec<Vec<Vec<f64>>> = accels.iter().map(|_| unknown()).collect();
     for round in 0..rounds {
         for turn in 0..accels.len() {
             let which = (turn + round) % accels.len();
-            for (group, nanos) in deck.groups.iter().zip(&mut scores[which].nanos) {
-                time_group(accels[which], group, clock, nanos);
+            for (group, best) in deck.groups.iter().zip(&mut best[which]) {
+                time_runs(accels[which], group, clock, best);
             }
         }
     }
-    scores
+    let score = |best: Vec<Vec<f64>>| Score {
+        nanos: best.into_iter().map(|runs| by_block(runs.into_iter(), deck.blocks)).collect(),
+    };
+    best.into_iter().map(score).collect()
 }
 
-fn time_group(accel: &Accel, group: &Group, clock: Clock<'_>, best: &mut [f64]) {
+fn time_runs(accel: &Accel, group: &Group, clock: Clock<'_>, best: &mut [f64]) {
     let mut hits = Vec::new();
     let mut start = clock();
-    for (rays, best) in group.blocks.iter().zip(best) {
+    for (rays, best) in group.runs.iter().zip(best) {
         // The sums keep the compiler from dropping what nobody reads.
         match group.query {
             Query::Closest => _ = black_box(rays.iter().filter_map(|r| accel.closest(r)).map(|h| h.t).sum::<f32>()),

@@ -1,17 +1,19 @@
 //! One choice: a view of a scene and its rays.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use rdh::tune::{Confirmed, Evidence, confirm};
-use rdh::{BuildOptions, Profile, Spec, Training, TuneOptions};
+use rdh::{Accel, BuildOptions, Profile, Provenance, Spec, Training, TuneOptions};
 use rdh_study::Mode;
 use rdh_study::clock::process_nanos;
 use serde::Serialize;
+use serde_json::json;
 
 use crate::args::TuneArgs;
 use crate::commands::record::record;
 use crate::context::Context;
+use crate::output::write_file;
 use crate::staged::Staged;
 
 /// Where rays come from.
@@ -91,6 +93,9 @@ pub(super) fn tune(
     let tuned = rdh::tune(mesh, candidates, &training, &held_out, &options, clock)
         .with_context(|| format!("{} can't be tuned", staged.name()))?;
     let unseen = confirm(&tuned, &unseen, &options, clock)?;
+    if let Some(file) = &args.output {
+        save(file, tuned.accel, staged, source, context.seed)?;
+    }
     Ok(Case {
         scene: staged.scene.clone(),
         view: staged.view.name.clone(),
@@ -101,4 +106,17 @@ pub(super) fn tune(
         unseen,
         slower: false,
     })
+}
+
+/// Writes the structure with what it was made for; the evidence is there already.
+fn save(file: &Path, accel: Accel, staged: &Staged, source: &Source, seed: u64) -> Result<()> {
+    let settings = json!({
+        "program": concat!("rdh ", env!("CARGO_PKG_VERSION")),
+        "scene": staged.scene,
+        "view": staged.view.name,
+        "rays": source.name(),
+    });
+    let provenance = Provenance { seed: Some(seed), settings, ..accel.provenance().clone() };
+    let bytes = accel.with_provenance(provenance).to_bytes().with_context(|| file.display().to_string())?;
+    write_file(file, &bytes)
 }

@@ -44,8 +44,9 @@ pub(crate) fn run(args: &TuneArgs, context: &Context) -> Result<()> {
     let sources = sources(args)?;
     let targets = targets(args, context)?;
     let mut document = Document { version: 1, ..Document::default() };
-    let views: usize = targets.iter().map(|t| t.views.len().max(t.entry.views.len()).max(1)).sum();
-    let bar = context.bar((views * sources.len()) as u64);
+    let views =
+        |target: &Target| if target.views.is_empty() { target.entry.views.len().max(1) } else { target.views.len() };
+    let bar = context.bar((targets.iter().map(views).sum::<usize>() * sources.len()) as u64);
     for target in &targets {
         bar.set_message(target.entry.id.clone());
         let staged = match Staged::load_all(target) {
@@ -97,11 +98,13 @@ fn sources(args: &TuneArgs) -> Result<Vec<Source>> {
 
 fn targets(args: &TuneArgs, context: &Context) -> Result<Vec<Target>> {
     let shelf = Shelf::open(context.folder.as_deref())?;
-    match (&args.rays, args.names.as_slice()) {
-        (Some(_), [name]) => Ok(vec![shelf.find_view(name, None)?]),
-        (Some(_), _) => Err(usage("recorded rays are for one scene: name it")),
-        (None, []) => Ok(shelf.usual()),
-        (None, names) => names.iter().map(|name| shelf.find(name)).collect(),
+    let single = args.rays.is_some() || args.output.is_some();
+    match args.names.as_slice() {
+        _ if args.output.is_some() && args.mode.len() != 1 => Err(usage("--output is for one mode")),
+        [name] if single => Ok(vec![shelf.find_view(name, None)?]),
+        _ if single => Err(usage("--rays and --output are for one scene: name it")),
+        [] => Ok(shelf.usual()),
+        names => names.iter().map(|name| shelf.find(name)).collect(),
     }
 }
 
