@@ -3,6 +3,7 @@
 mod browser;
 mod deep;
 mod engines;
+mod fuzz;
 mod study;
 
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ enum Task {
     Deep(deep::Arguments),
     /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
+    /// Fuzz everything that reads or builds (fuzz/): needs nightly Rust and cargo-fuzz.
+    Fuzz(fuzz::Arguments),
     /// Run a study in parts side by side, and put its page and tables into docs/study.
     Study(study::Arguments),
 }
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         Task::Browser(arguments) => browser::run(&arguments),
         Task::Deep(arguments) => deep::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
+        Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };
     match result {

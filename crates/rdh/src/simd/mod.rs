@@ -17,6 +17,7 @@ mod avx2_boxes;
 mod avx512;
 mod block;
 mod boxes;
+mod four;
 mod guess;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
@@ -24,6 +25,7 @@ mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use portable::Portable;
 
