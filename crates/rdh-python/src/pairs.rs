@@ -95,22 +95,29 @@ fn find_meetings(
     most: usize,
 ) -> PyResult<Vec<Found<Meeting>>> {
     let caster = world.caster();
-    batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
-        let mut hits = Vec::new();
-        Found::by(window, |index, found| {
-            let ray = rays.get(index);
-            if most == 1 {
-                hits.clear();
-                hits.extend(caster.closest(&ray));
-            } else {
-                caster.all_hits(&ray, &mut hits);
+    batch::map(py, pool, rays.len(), |window| {
+        let (mut found, mut hits, mut pending) = (Found::with_capacity(window.len()), Vec::new(), Vec::new());
+        // First all are traced, then placed: so the processor waits for many triangles at a time.
+        window.strides(|rows, first| {
+            for index in (first..).take(rows.len()) {
+                let ray = rays.get(index);
+                if most == 1 {
+                    hits.clear();
+                    hits.extend(caster.closest(&ray));
+                } else {
+                    caster.all_hits(&ray, &mut hits);
+                }
+                hits.truncate(most);
+                pending.extend(hits.iter().map(|hit| (index, *hit)));
+                found.counts.push(hits.len() as u32);
             }
-            found.extend(hits.iter().take(most).map(|hit| {
+            found.things.extend(pending.drain(..).map(|(index, hit)| {
                 let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
-                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), hit);
+                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
                 Meeting { triangle: hit.tri.0, point }
             }));
-        })
+        });
+        found
     })
 }
 
