@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use rdh::{Accel, BuildOptions, Spec, Training, build};
 use rdh_scene::View;
+use rdh_scene::saved::Setting;
 use rdh_study::{Mode, Plan, Shoot, Stage, Target};
 
 use crate::exit::usage;
@@ -16,6 +17,8 @@ pub(crate) struct Staged {
     pub scene: String,
     pub view: View,
     pub stage: Arc<Stage>,
+    /// How the scene lies and is looked at, to be saved with a tree.
+    pub setting: Setting,
 }
 
 impl Staged {
@@ -38,7 +41,13 @@ impl Staged {
         }
         let stage = Arc::new(Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?);
         let views = target.resolve(&scene.views, || stage.overview()).map_err(usage)?;
-        let with = |view: View| Self { scene: target.entry.id.clone(), view, stage: Arc::clone(&stage) };
+        let setting = Setting { id: target.entry.id.clone(), ..Setting::of(&scene) };
+        let with = |view: View| Self {
+            scene: target.entry.id.clone(),
+            view,
+            stage: Arc::clone(&stage),
+            setting: setting.clone(),
+        };
         Ok(views.into_iter().map(with).collect())
     }
 

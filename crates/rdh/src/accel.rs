@@ -91,6 +91,7 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check()?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Width};
+use crate::bvh::{self, BvhSpec, Effort, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -49,6 +49,17 @@ impl Spec {
         self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
+    /// Refuses parts that don't go together.
+    pub(crate) fn check(&self) -> Result<()> {
+        match self.structure {
+            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, spatial: false, .. }) if self.needs_rays() => {
+                let reason = "split=sweep compares areas: rdh counts rays between bins".to_owned();
+                Err(Error::Spec { spec: self.to_string(), reason })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Parses a list of specs. Commas inside brackets don't separate.
     ///
     /// # Errors
@@ -82,6 +93,7 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
+        spec.check()?;
         Ok(spec)
     }
 }
@@ -172,7 +184,11 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         match (key, value) {
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
-            _ => return Err(unknown(part.name, key, "quick, high")),
+            ("split", _) => {
+                bvh.split =
+                    choice(key, value, &[("binned", bvh::SplitSearch::Binned), ("sweep", bvh::SplitSearch::Sweep)])?;
+            }
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep")),
         }
     }
     Ok(bvh)
@@ -190,11 +206,13 @@ fn bvh_name(bvh: &BvhSpec) -> &'static str {
 }
 
 fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
-    match bvh.effort {
-        Effort::Quick => vec!["quick".to_owned()],
-        Effort::Default => Vec::new(),
-        Effort::High => vec!["high".to_owned()],
-    }
+    let effort = match bvh.effort {
+        Effort::Quick => Some("quick"),
+        Effort::Default => None,
+        Effort::High => Some("high"),
+    };
+    let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
+    effort.into_iter().chain(split).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -340,6 +358,8 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
+            ("bvh8(split=binned)", "bvh8+sah"),
             (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
@@ -359,6 +379,8 @@ mod tests {
         for text in [
             "",
             "bvh9+sah",
+            "bvh8(split=exact)",
+            "bvh8(split=sweep)+rdh",
             "kd(leaf=3)",
             "kd(leaves=8)",
             "kd(idle=-1)",

@@ -129,6 +129,12 @@ pub(crate) fn megabytes(text: &str) -> Result<usize, String> {
     in_range(text, 1, 1 << 30).map(|mb| mb.saturating_mul(1_000_000))
 }
 
+/// A part of a whole.
+pub(crate) fn part(text: &str) -> Result<f64, String> {
+    let part = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
+    part.ok_or_else(|| "a number from 0 to 1 is needed".to_owned())
+}
+
 /// A magnification.
 pub(crate) fn zoom(text: &str) -> Result<f32, String> {
     let factor = text.parse().ok().filter(|x| (1.0..=1e4).contains(x));

@@ -16,11 +16,17 @@ fn the_evidence_says_what_was_tried_and_why_one_was_taken() {
     let case = &found["cases"][0];
     let evidence = &case["evidence"];
     assert_eq!((&found["version"], found["cases"].as_array().unwrap().len()), (&Value::from(1), 1));
-    assert_eq!((&case["scene"], &case["view"], &case["rays"]), (&"rooms".into(), &"corridor".into(), &"primary".into()));
+    assert_eq!(
+        (&case["scene"], &case["view"], &case["rays"]),
+        (&"rooms".into(), &"corridor".into(), &"primary".into())
+    );
     let tried: Vec<_> = evidence["trials"].as_array().unwrap().iter().map(|t| t["spec"].as_str().unwrap()).collect();
     assert_eq!(tried.join(","), FEW);
     // A corridor in a house of rooms: what is behind walls is what areas pay for.
-    assert_eq!((&evidence["spec"], &evidence["outcome"], &evidence["measure"]), (&"bvh8+rdh".into(), &"rays".into(), &"counts".into()));
+    assert_eq!(
+        (&evidence["spec"], &evidence["outcome"], &evidence["measure"]),
+        (&"bvh8+rdh".into(), &"rays".into(), &"counts".into())
+    );
     assert!(case["unseen"]["counts"]["ratio"].as_f64().unwrap() < 1.0 && case["slower"] == false, "{case}");
     let again = json(&[&args[..], &SMALL, &["--json", "--threads", "1"]].concat());
     assert_eq!(found, again);
@@ -61,7 +67,18 @@ fn too_few_rays_are_said_and_areas_kept() {
 
 #[test]
 fn auto_names_what_it_chose() {
-    let args = ["compare", "rooms:corridor", "--spec", "bvh8+sah,auto", "--size", "64x64", "--rounds", "1", "--training", "2000"];
+    let args = [
+        "compare",
+        "rooms:corridor",
+        "--spec",
+        "bvh8+sah,auto",
+        "--size",
+        "64x64",
+        "--rounds",
+        "1",
+        "--training",
+        "2000",
+    ];
     let document = json(&[&args[..], &["--json"]].concat());
     let row = document["rows"].as_array().unwrap().iter().find(|r| r["spec"] == "auto").unwrap();
     let chosen = row["chosen"].as_str().unwrap();

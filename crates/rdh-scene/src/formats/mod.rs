@@ -19,6 +19,7 @@ mod ply;
 mod stl;
 pub(crate) mod text;
 mod tree;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -28,6 +29,7 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 
 pub use inventory::{Row, inventory, mesh_files};
+pub use write::{WRITERS, Writer, write_file};
 
 /// A mesh file format.
 #[derive(Debug, Clone, Copy)]

@@ -1,12 +1,15 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
+use rayon::prelude::*;
+
 use super::binary::{self, BinaryNode, ByArea};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
+use super::grown::Grown;
 use super::guided::ByRays;
-use super::layout::{self, Arrays};
+use super::layout::{Arrays, Draft};
 use super::link::Link;
-use super::spatial::{self, Grown};
+use super::spatial;
 use super::split::Search;
 use super::visits::Visits;
 use super::{Bvh, BvhSpec, Effort, reinsert};
@@ -14,7 +17,7 @@ use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Scale, TriId};
 use crate::heuristic::Rdh;
-use crate::mem::reserve;
+use crate::mem::{reserve, zeroed};
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::simd::LANES;
@@ -62,6 +65,9 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// Spatial splits may add one reference to so many.
 const ONE_SPARE_IN: usize = 2;
 
+/// Triangles whose boxes one thread makes.
+const CHUNK: usize = 1 << 15;
+
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
@@ -108,12 +114,18 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        let mut primitives = Vec::new();
-        reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend(self.mesh.solid().map(|tri| {
-            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), tri.0, 0)
-        }));
+        let mut primitives: Vec<Extent> = zeroed(self.mesh.len(), "references")?;
+        let fill = |(chunk, primitives): (usize, &mut [Extent])| {
+            for (primitive, id) in primitives.iter_mut().zip((chunk * CHUNK) as u32..) {
+                let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
+                *primitive = Extent::new(&Aabb::around(&corners), id, 0);
+            }
+        };
+        if self.is_parallel() {
+            primitives.par_chunks_mut(CHUNK).enumerate().for_each(fill);
+        } else {
+            primitives.chunks_mut(CHUNK).enumerate().for_each(fill);
+        }
         Ok(primitives)
     }
 
@@ -124,7 +136,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: self.options.level(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
     }
 
     fn is_parallel(&self) -> bool {
@@ -136,7 +148,7 @@ impl Build<'_> {
         let Grown { nodes, ids } = grown;
         let weights = self.weights(&nodes)?;
         self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.watch)?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.is_parallel(), self.watch)?;
         // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
         // cost; but where spatial splits made them, a large child that holds little is soon done with.
         let order = |i: usize| match self.guide {
@@ -144,7 +156,9 @@ impl Build<'_> {
             None if self.spec.spatial => weights.stops[i] / cuts.count(i) as f32,
             None => weights.stops[i],
         };
-        layout::lay_out(&nodes, &ids, &cuts, order, |id| self.mesh.corners(TriId(id)), self.watch)
+        let corners = |id| self.mesh.corners(TriId(id));
+        let (parallel, watch) = (self.is_parallel(), self.watch);
+        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, corners, parallel, watch }.lay_out()
     }
 
     fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {

@@ -1,6 +1,6 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
+//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`, `sweep`) or by sampled rays
 //! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it; `visits` says how often rays come to each node,
 //! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
@@ -11,6 +11,7 @@ mod check;
 mod chop;
 mod collapse;
 mod extent;
+mod grown;
 mod guided;
 mod layout;
 mod link;
@@ -18,11 +19,12 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod sweep;
 mod trace;
 mod visits;
 
 pub use layout::Tally;
-pub use spec::{BvhSpec, Effort, Width};
+pub use spec::{BvhSpec, Effort, SplitSearch, Width};
 
 use link::Link;
 

@@ -3,11 +3,13 @@
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
+mod bins;
 mod branch;
 mod build;
 mod check;
 mod cost;
 mod events;
+mod few;
 mod layout;
 mod node;
 mod radix;
