@@ -216,7 +216,12 @@ impl<T> Found<T> {
 ///
 /// # Errors
 /// As [`closest`].
-pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays: &RayRows<'_>) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn list<'py>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+) -> PyResult<Bound<'py, PyDict>> {
     let caster = world.caster();
     let parts = batch::map(py, pool, rays.len(), |window| {
         let (mut found, mut of_one) = (Found::with_capacity(window.len()), Vec::new());
@@ -248,7 +253,11 @@ pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays:
 }
 
 /// A new array with these numbers.
-fn filled<'py, T: Element>(py: Python<'py>, shape: &[usize], numbers: impl Iterator<Item = T>) -> PyResult<Bound<'py, PyAny>> {
+fn filled<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    numbers: impl Iterator<Item = T>,
+) -> PyResult<Bound<'py, PyAny>> {
     let array = zeros::<T>(py, shape)?;
     for (place, number) in array.try_readwrite()?.as_slice_mut()?.iter_mut().zip(numbers) {
         *place = number;

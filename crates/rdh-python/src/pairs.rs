@@ -22,9 +22,8 @@ pub(crate) fn _first<'py>(
     directions: &Bound<'py, PyAny>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| {
-        caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32)
-    })
+    Pairs::read(origins, directions)?
+        .each(py, scene.world(), threads, |caster, ray, _| caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32))
 }
 
 /// Whether rays hit anything, bool.
@@ -169,7 +168,8 @@ struct Pairs<'py> {
 
 impl<'py> Pairs<'py> {
     fn read(origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let (origins, directions) = (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
+        let (origins, directions) =
+            (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
         let count = origins.row_count("ray_origins", 3)?;
         let others = directions.row_count("ray_directions", 3)?;
         if count != others {
