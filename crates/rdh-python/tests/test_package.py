@@ -67,3 +67,17 @@ def test_the_module_is_small_and_stands_alone() -> None:
     assert path.stat().st_size < 8_000_000
     assert (pathlib.Path(rdh.__file__).parent / "py.typed").exists()
     assert importlib.util.find_spec("rdh.trimesh")
+
+
+def test_the_readme_runs(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the README shows of scenes, recording and saving, block after block."""
+    trimesh = pytest.importorskip("trimesh")
+    text = (pathlib.Path(__file__).parents[1] / "README.md").read_text()
+    blocks = [part.partition("```")[0] for part in text.split("```python\n")[1:]]
+    assert len(blocks) == 4
+    monkeypatch.chdir(tmp_path)
+    names = {"mesh": trimesh.creation.box(), "rdh": rdh}
+    for block in blocks[:3]:
+        exec(block, names)
+    assert (tmp_path / "quarter.rdh").is_file()
+    assert isinstance(names["mesh"].ray, rdh.trimesh.RayMeshIntersector)
