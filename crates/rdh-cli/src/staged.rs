@@ -18,7 +18,7 @@ pub(crate) struct Staged {
     pub view: View,
     pub stage: Arc<Stage>,
     /// How the scene lies and is looked at, to be saved with a tree.
-    pub setting: Setting,
+    pub setting: Arc<Setting>,
 }
 
 impl Staged {
@@ -41,12 +41,12 @@ impl Staged {
         }
         let stage = Arc::new(Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?);
         let views = target.resolve(&scene.views, || stage.overview()).map_err(usage)?;
-        let setting = Setting { id: target.entry.id.clone(), ..Setting::of(&scene) };
+        let setting = Arc::new(Setting { id: target.entry.id.clone(), ..Setting::of(&scene) });
         let with = |view: View| Self {
             scene: target.entry.id.clone(),
             view,
             stage: Arc::clone(&stage),
-            setting: setting.clone(),
+            setting: Arc::clone(&setting),
         };
         Ok(views.into_iter().map(with).collect())
     }

@@ -53,7 +53,16 @@ fn large_trees_do_not_depend_on_threads_either() {
     let mesh = large_terrain();
     let rays = training(&soup(500, 0.05, 1));
     // The boxes of a binary node's children, which threads have found, are only seen where they are not opened at once.
-    for spec in ["bvh2+sah", "bvh8(quick)+sah", "bvh8(split=sweep)+sah", "sbvh8+sah", "bvh8(high)+sah", "bvh8+rdh"] {
+    for spec in [
+        "kd+sah",
+        "kd+rdh",
+        "bvh2+sah",
+        "bvh8(quick)+sah",
+        "bvh8(split=sweep)+sah",
+        "sbvh8+sah",
+        "bvh8(high)+sah",
+        "bvh8+rdh",
+    ] {
         let spec: Spec = spec.parse().expect(spec);
         let with = |threads| {
             let options = BuildOptions { threads: Some(threads), ..BuildOptions::default() };

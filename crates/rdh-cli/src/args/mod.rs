@@ -66,8 +66,6 @@ pub(crate) enum Command {
     Record(RecordArgs),
     /// Say what profiles hold and how far they are apart; merge, thin or split them
     Rays(RaysArgs),
-    /// Choose structure and heuristic by rays that are really cast
-    Tune(TuneArgs),
     /// Build a structure and save it
     Build(BuildArgs),
     /// Prove a saved tree: well-formed, right, not slower than one built by areas
@@ -76,6 +74,8 @@ pub(crate) enum Command {
     Cast(CastArgs),
     /// Convert between files of meshes, and between files of rays
     Convert(ConvertArgs),
+    /// Choose structure and heuristic by rays that are really cast
+    Tune(TuneArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
     /// Make one self-contained page of a study

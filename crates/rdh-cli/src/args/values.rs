@@ -124,15 +124,15 @@ pub(crate) fn rounds(text: &str) -> Result<usize, String> {
     in_range(text, 1, 10_000)
 }
 
-/// Megabytes, as bytes.
-pub(crate) fn megabytes(text: &str) -> Result<usize, String> {
-    in_range(text, 1, 1 << 30).map(|mb| mb.saturating_mul(1_000_000))
-}
-
 /// A part of a whole.
 pub(crate) fn part(text: &str) -> Result<f64, String> {
     let part = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
     part.ok_or_else(|| "a number from 0 to 1 is needed".to_owned())
+}
+
+/// Megabytes, as bytes.
+pub(crate) fn megabytes(text: &str) -> Result<usize, String> {
+    in_range(text, 1, 1 << 30).map(|mb| mb.saturating_mul(1_000_000))
 }
 
 /// A magnification.

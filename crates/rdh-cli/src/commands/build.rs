@@ -10,6 +10,7 @@ use rdh_scene::saved;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::rays;
 use crate::args::BuildArgs;
 use crate::context::Context;
 use crate::exit::usage;
@@ -35,7 +36,8 @@ pub(crate) fn run(args: &BuildArgs, context: &Context) -> Result<()> {
     let build_secs = start.elapsed().as_secs_f64();
     bar.inc(1);
     bar.set_message("writing");
-    let accel = accel.with_provenance(provenance(&staged, rays, context.seed));
+    let provenance = provenance(&accel, &staged, rays, context.seed);
+    let accel = accel.with_provenance(provenance);
     saved::save(&accel, &args.output)?;
     bar.finish_and_clear();
     report(&args.output, &accel, &staged, build_secs, context)
@@ -62,7 +64,7 @@ struct Rays {
 
 impl Rays {
     fn read(file: &Path, seed: u64) -> Result<Self> {
-        let profile = read_profile(file)?;
+        let profile = rays::read(file)?;
         let settings: Value = serde_json::from_str(profile.settings())?;
         let note = json!({ "samples": profile.len(), "seen": profile.seen(), "settings": settings });
         match settings["set"]["name"].as_str() {
@@ -78,16 +80,11 @@ impl Rays {
     }
 }
 
-/// A profile; errors name the file.
-pub(super) fn read_profile(file: &Path) -> Result<Profile> {
-    let name = || file.display().to_string();
-    Profile::from_bytes(&fs::read(file).with_context(name)?).with_context(name)
-}
-
-fn provenance(staged: &Staged, rays: Option<Rays>, seed: u64) -> Provenance {
+/// The evidence is there already, if `auto` has chosen.
+fn provenance(accel: &Accel, staged: &Staged, rays: Option<Rays>, seed: u64) -> Provenance {
     let (unseen, note) = rays.map_or((None, Value::Null), |rays| (rays.unseen, rays.note));
-    let settings = json!({ "scene": staged.setting, "rays": note });
-    Provenance { seed: Some(seed), settings, evidence: None, unseen }
+    let settings = json!({ "scene": *staged.setting, "rays": note });
+    Provenance { seed: Some(seed), settings, unseen, ..accel.provenance().clone() }
 }
 
 #[derive(Serialize)]

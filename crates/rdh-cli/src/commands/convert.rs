@@ -9,7 +9,7 @@ use rdh_scene::files::write_with;
 use rdh_scene::formats::{WRITERS, write_file};
 use serde_json::json;
 
-use super::build::read_profile;
+use super::rays;
 use crate::args::ConvertArgs;
 use crate::context::Context;
 use crate::exit::usage;
@@ -53,7 +53,7 @@ fn mesh_to_mesh(args: &ConvertArgs, context: &Context) -> Result<u64> {
 
 /// The rays, eight numbers each; each once, whatever its weight.
 fn profile_to_array(input: &Path, output: &Path) -> Result<u64> {
-    let profile = read_profile(input)?;
+    let profile = rays::read(input)?;
     write_with(output, |out| {
         npy::write_header(out, "'<f4'", &[profile.len() as u64, 8])?;
         profile.samples().iter().try_for_each(|sample| {

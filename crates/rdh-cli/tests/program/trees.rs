@@ -33,16 +33,16 @@ fn a_tree_for_rays_is_proved_by_those_that_it_has_not_seen() {
     let samples = json(&["rays", &rays, "--json"])["files"][0]["samples"].as_u64().unwrap();
     let [trained, unseen] = ["trained_on", "unseen_rays"].map(|key| built[key].as_u64().unwrap());
     assert!(trained > 2 * samples / 5 && unseen > samples / 5 && trained + unseen < samples, "{built}");
-    let proved = json(&["verify", &tree, "--counts-only", "--json"]);
+    let proved = json(&["verify", &tree, "--samples", "40", "--counts-only", "--json"]);
     assert_eq!((proved["ok"].as_bool(), proved["brute_force"]["different"].as_u64()), (Some(true), Some(0)));
     let race = &proved["races"][0];
-    assert_eq!((race["base"].as_str(), race["rays"].as_u64()), (Some("bvh8+sah"), Some(unseen)));
-    assert!(race["steps_ratio"].as_f64().unwrap() < 1.0 && race["time_ratio"].is_null(), "{race}");
+    assert_eq!((race["base"].as_str(), race["found"]["rays"].as_u64()), (Some("bvh8+sah"), Some(unseen)));
+    assert!(race["found"]["counts"]["ratio"].as_f64().unwrap() < 1.0 && race["found"]["time"].is_null(), "{race}");
     // The same rays again, out of their file: the tree's own seed tells which they are.
-    let again = json(&["verify", &tree, "--rays", &rays, "--counts-only", "--json"]);
+    let again = json(&["verify", &tree, "--samples", "40", "--rays", &rays, "--counts-only", "--json"]);
     assert_eq!(again["races"], proved["races"]);
-    let timed = json(&["verify", &tree, "--rounds", "3", "--margin", "1", "--json"]);
-    assert!(timed["races"][0]["time_ratio"].as_f64().unwrap() > 0.0);
+    let timed = json(&["verify", &tree, "--samples", "40", "--rounds", "3", "--margin", "1", "--json"]);
+    assert!(timed["races"][0]["found"]["time"]["ratio"].as_f64().unwrap() > 0.0);
 }
 
 #[test]
@@ -58,15 +58,30 @@ fn the_same_seed_gives_the_same_file_on_any_number_of_threads() {
 fn a_slower_tree_is_refused_with_exit_code_3() {
     let folder = tempfile::tempdir().unwrap();
     let rays = record(folder.path());
-    let tree = build(folder.path(), "a.rdh", &["--spec", "kd+rdh", "--rays", &rays]);
-    rdh(&["verify", &tree, "--counts-only"]).succeeded();
-    let ran = rdh(&["verify", &tree, "--counts-only", "--base", "kd+sah,bvh8+sah"]);
+    let tree = build(folder.path(), "a.rdh", &["--spec", "kd+sah", "--rays", &rays]);
+    rdh(&["verify", &tree, "--samples", "40", "--counts-only"]).succeeded();
+    let ran = rdh(&["verify", &tree, "--samples", "40", "--counts-only", "--base", "kd+sah,bvh8+sah"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stdout);
     assert!(
         ran.stderr.contains("slower than bvh8+sah") && ran.stdout.contains("slower than bvh8+sah"),
         "{}",
         ran.stdout
     );
+}
+
+#[test]
+fn a_tuned_tree_is_proved_by_its_own_rays_against_the_best_by_areas() {
+    let folder = tempfile::tempdir().unwrap();
+    let tree = path(folder.path(), "t.rdh");
+    let args = ["tune", "rooms", "--size", "48x48", "--candidates", "kd+sah,bvh8+sah,bvh8+rdh", "--counts-only"];
+    let tuned = json(&[&args[..], &["-o", &tree, "--json"]].concat())["cases"][0]["evidence"].take();
+    let proved = json(&["verify", &tree, "--samples", "40", "--counts-only", "--json"]);
+    assert_eq!((&proved["spec"], proved["ok"].as_bool()), (&tuned["spec"], Some(true)));
+    match proved["races"].as_array().unwrap().as_slice() {
+        [] => assert_eq!(tuned["spec"], tuned["base"]),
+        [race] => assert_eq!(race["base"], tuned["base"]),
+        _ => panic!("{proved}"),
+    }
 }
 
 /// Shrinks the box of the first leaf to a point and signs the file again: rays miss what is in it.
@@ -91,9 +106,9 @@ fn break_tree(file: &str) {
 fn a_broken_tree_is_refused_with_exit_code_3_and_an_altered_file_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let tree = build(folder.path(), "a.rdh", &[]);
-    rdh(&["verify", &tree]).succeeded();
+    rdh(&["verify", &tree, "--samples", "40"]).succeeded();
     break_tree(&tree);
-    let ran = rdh(&["verify", &tree, "--json"]);
+    let ran = rdh(&["verify", &tree, "--samples", "40", "--json"]);
     assert_eq!(ran.code, Some(3), "{}", ran.stderr);
     let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((found["ok"].as_bool(), found["brute_force"].is_null()), (Some(false), true));
@@ -101,7 +116,7 @@ fn a_broken_tree_is_refused_with_exit_code_3_and_an_altered_file_is_an_error() {
     let mut bytes = fs::read(&tree).unwrap();
     *bytes.last_mut().unwrap() ^= 1;
     fs::write(&tree, &bytes).unwrap();
-    rdh(&["verify", &tree]).failed(1, &["a.rdh", "byte 16", "checksum"]);
+    rdh(&["verify", &tree, "--samples", "40"]).failed(1, &["a.rdh", "byte 16", "checksum"]);
     rdh(&["cast", &tree, "--rays", "x.npy", "-o", "y.npy"]).failed(1, &["a.rdh", "byte 16"]);
     fs::write(&tree, &bytes[..1000]).unwrap();
     rdh(&["scenes", &tree]).failed(1, &["a.rdh", "byte 1000"]);
@@ -139,7 +154,7 @@ fn what_makes_no_sense_is_a_usage_error() {
     rdh(&["build", "rooms", "--rays", &set("unseen"), "-o", &out]).failed(2, &["unseen", "not for building"]);
     rdh(&["build", "rooms", "--rays", &set("training"), "-o", &out]).succeeded();
     rdh(&["verify", &out, "--rays", &set("training")]).failed(2, &["does not judge"]);
-    rdh(&["verify", &out, "--rays", &set("unseen"), "--counts-only"]).succeeded();
+    rdh(&["verify", &out, "--samples", "40", "--rays", &set("unseen"), "--counts-only"]).succeeded();
     rdh(&["verify", &out, "--base", "kd+rdh"]).failed(2, &["by areas"]);
     rdh(&["build", "rooms", "-o", "no-such-folder/a.rdh"]).failed(1, &["no-such-folder"]);
 }

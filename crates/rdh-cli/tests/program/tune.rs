@@ -52,7 +52,7 @@ fn a_structure_is_kept_with_its_evidence() {
     let accel = rdh::Accel::from_bytes(&fs::read(&tree).unwrap()).unwrap();
     let kept = accel.provenance();
     assert_eq!(kept.evidence.as_ref(), Some(&found["cases"][0]["evidence"]));
-    assert_eq!((kept.seed, &kept.settings["scene"]), (Some(1), &"rooms".into()));
+    assert_eq!((kept.seed, &kept.settings["scene"]["id"]), (Some(1), &"rooms".into()));
     assert_eq!(found["cases"][0]["evidence"]["spec"], accel.stats().spec.to_string());
 }
 

@@ -1,7 +1,5 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
-use rayon::prelude::*;
-
 use super::binary::{self, BinaryNode, ByArea};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
@@ -17,7 +15,7 @@ use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Scale, TriId};
 use crate::heuristic::Rdh;
-use crate::mem::{reserve, zeroed};
+use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::simd::LANES;
@@ -65,9 +63,6 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// Spatial splits may add one reference to so many.
 const ONE_SPARE_IN: usize = 2;
 
-/// Triangles whose boxes one thread makes.
-const CHUNK: usize = 1 << 15;
-
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
@@ -114,19 +109,10 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        let mut primitives: Vec<Extent> = zeroed(self.mesh.len(), "references")?;
-        let fill = |(chunk, primitives): (usize, &mut [Extent])| {
-            for (primitive, id) in primitives.iter_mut().zip((chunk * CHUNK) as u32..) {
-                let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
-                *primitive = Extent::new(&Aabb::around(&corners), id, 0);
-            }
-        };
-        if self.is_parallel() {
-            primitives.par_chunks_mut(CHUNK).enumerate().for_each(fill);
-        } else {
-            primitives.chunks_mut(CHUNK).enumerate().for_each(fill);
-        }
-        Ok(primitives)
+        self.mesh.of_solid(self.is_parallel(), |tri| {
+            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
+            Extent::new(&Aabb::around(&corners), tri.0, 0)
+        })
     }
 
     fn search(&self) -> Search {

@@ -67,11 +67,8 @@ impl<F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: usize>
             layout.close_blocks();
             Ok(layout.arrays)
         };
-        let placed: Result<Vec<_>> = if self.parallel {
-            subtrees.par_iter().map(place).collect()
-        } else {
-            subtrees.iter().map(place).collect()
-        };
+        let placed: Result<Vec<_>> =
+            if self.parallel { subtrees.par_iter().map(place).collect() } else { subtrees.iter().map(place).collect() };
         self.join(top.arrays, &subtrees, placed?)
     }
 

@@ -124,7 +124,7 @@ impl<C: Clipper> Grower<'_, C> {
         }
         let cost = object.map_or(f32::INFINITY, |split| split.cost);
         let chop = Chop { references, extent: &todo.extent, clipper: self.clipper };
-        self.search.level.run(chop).filter(|split| split.cost < cost && split.added(references.len()) <= todo.spare)
+        chop.best(&self.search).filter(|split| split.cost < cost && split.added(references.len()) <= todo.spare)
     }
 
     fn overlaps(&self, split: &Split) -> bool {

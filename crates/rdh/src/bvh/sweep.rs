@@ -37,10 +37,13 @@ pub(crate) fn best(level: Level, parallel: bool, primitives: &[Extent]) -> Optio
     let on_axis = |axis| {
         let mut order: Vec<Ranked> = primitives.iter().zip(0..).map(|(p, i)| (Place::of(p, axis), i)).collect();
         // No two are equal: any sort gives the same.
-        let compare = |a: &Ranked, b: &Ranked| {
-            a.0.centre.total_cmp(&b.0.centre).then(a.0.id.cmp(&b.0.id)).then(a.1.cmp(&b.1))
-        };
-        if parallel { order.par_sort_unstable_by(compare) } else { order.sort_unstable_by(compare) }
+        let compare =
+            |a: &Ranked, b: &Ranked| a.0.centre.total_cmp(&b.0.centre).then(a.0.id.cmp(&b.0.id)).then(a.1.cmp(&b.1));
+        if parallel {
+            order.par_sort_unstable_by(compare)
+        } else {
+            order.sort_unstable_by(compare)
+        }
         level.run(Sweep { primitives, order: &order, axis })
     };
     let cheaper = |a: Option<Split>, b: Option<Split>| match (a, b) {

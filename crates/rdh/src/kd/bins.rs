@@ -2,9 +2,11 @@
 //!
 //! Real bounds make better planes than bins' borders: on a terrain 1.2 references a triangle instead of 1.7.
 
+use rayon::prelude::*;
+
 use super::events::Candidates;
 use super::reference::Reference;
-use crate::geom::Aabb;
+use crate::geom::{Aabb, larger, smaller};
 use crate::simd::{Job, Kernels, Level};
 
 /// The most bins an axis gets.
@@ -13,6 +15,8 @@ const MOST: usize = 128;
 const FEWER: usize = 32;
 /// Nodes of up to so many references are small.
 const SMALL: usize = 512;
+/// References that one thread sorts into bins.
+const CHUNK: usize = 1 << 15;
 
 /// How many lower and upper bounds fall into each bin, for all three axes, and the first and last of them.
 pub(crate) struct Bins {
@@ -48,10 +52,35 @@ impl AxisBins {
 impl Bins {
     pub(crate) const EMPTY: Self = Self { count: MOST, axes: [AxisBins::EMPTY; 3] };
 
-    /// Sorts all bounds into equal bins between the tight bounds, all axes in one pass. O(n).
-    pub(crate) fn fill(&mut self, level: Level, refs: &[Reference], tight: &Aabb) {
+    /// Sorts all bounds into equal bins between the tight bounds, all axes in one pass; large sets on several threads if they are to
+    /// be. O(n).
+    pub(crate) fn fill(&mut self, level: Level, parallel: bool, refs: &[Reference], tight: &Aabb) {
         self.count = if refs.len() <= SMALL { FEWER } else { MOST };
-        level.run(Fill { bins: self, refs, tight });
+        if !parallel || refs.len() <= 2 * CHUNK {
+            level.run(Fill { bins: self, refs, tight });
+            return;
+        }
+        let count = self.count;
+        let bins = |refs: &[Reference]| {
+            let mut bins = Box::new(Self { count, ..Self::EMPTY });
+            level.run(Fill { bins: &mut bins, refs, tight });
+            bins
+        };
+        // Sums of integers, minima and maxima: any order gives the same.
+        let all = refs.par_chunks(CHUNK).map(bins).reduce(|| Box::new(Self { count, ..Self::EMPTY }), Self::merged);
+        *self = *all;
+    }
+
+    fn merged(mut self: Box<Self>, other: Box<Self>) -> Box<Self> {
+        for (mine, theirs) in self.axes.iter_mut().zip(&other.axes) {
+            for k in 0..MOST {
+                mine.low[k] += theirs.low[k];
+                mine.high[k] += theirs.high[k];
+                mine.first_low[k] = smaller(mine.first_low[k], theirs.first_low[k]);
+                mine.last_high[k] = larger(mine.last_high[k], theirs.last_high[k]);
+            }
+        }
+        self
     }
 
     /// The last upper and the first lower bound in each bin, and the tight bounds where they cut off empty space. An upper bound is

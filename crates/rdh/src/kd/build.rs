@@ -11,6 +11,8 @@
 //! Invariant: the builder sees boxes, a [`Clipper`] and a [`Heuristic`], never a mesh. The tree depends on nothing else: not on
 //! threads, nor on time.
 
+use rayon::prelude::*;
+
 use super::branch::{Branch, Branches};
 use super::cost::Costs;
 use super::reference::Reference;
@@ -21,7 +23,7 @@ use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
-use crate::mem::reserve;
+use crate::mem::{joined, reserve};
 use crate::options::{BuildOptions, Watch};
 use crate::simd::Level;
 
@@ -60,6 +62,8 @@ struct Grown {
 
 /// Subtrees of more references are built by two threads.
 const PARALLEL_ABOVE: usize = 4096;
+/// References that one thread cuts.
+const CHUNK: usize = 1 << 14;
 /// Subtrees of more references are not pruned: no leaf of that size pays.
 const PRUNE_UP_TO: usize = 256;
 
@@ -100,7 +104,7 @@ impl<'a> Builder<'a> {
 
     /// Large subtrees: both sides in parallel.
     fn grow(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches, Grown)> {
-        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level);
+        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level, self.parallel);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
@@ -187,10 +191,7 @@ impl<'a> Builder<'a> {
             budget,
         };
         let SplitProbability { left: p, right: q } = split.chance;
-        [
-            child(left, cell_left, p, left.n + spare_left),
-            child(right, cell_right, q, right.n + spare - spare_left),
-        ]
+        [child(left, cell_left, p, left.n + spare_left), child(right, cell_right, q, right.n + spare - spare_left)]
     }
 
     fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {
@@ -216,6 +217,14 @@ struct Side {
     n: usize,
     /// Their box.
     tight: Aabb,
+}
+
+impl Side {
+    const NONE: Self = Self { n: 0, tight: Aabb::EMPTY };
+
+    fn with(&self, other: &Self) -> Self {
+        Self { n: self.n + other.n, tight: self.tight.union(&other.tight) }
+    }
 }
 
 /// A side while references come to it.
@@ -273,33 +282,27 @@ impl Builder<'_> {
         Ok([low.side(), high.side()])
     }
 
-    /// Cuts references into two new lists.
+    /// Cuts references into two new lists: large ones in chunks, one after the other.
     fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>, [Side; 2])> {
-        let (mut left, mut right) = (Vec::new(), Vec::new());
-        let (mut low, mut high) = (Gathering::new(), Gathering::new());
-        for r in refs {
-            let (l, r) = self.cut(*r, split);
-            for (list, side, part) in [(&mut left, &mut low, l), (&mut right, &mut high, r)] {
-                if let Some(part) = part {
-                    reserve(list, 1, "references")?;
-                    list.push(part);
-                    side.add(&part);
-                }
-            }
-        }
-        Ok((left, right, [low.side(), high.side()]))
+        let cut = |refs: &[Reference]| -> Result<_> {
+            let mut stack = Vec::new();
+            reserve(&mut stack, 2 * refs.len(), "references")?;
+            stack.extend_from_slice(refs);
+            let [left, right] = self.partition_in(&mut stack, 0, split)?;
+            Ok((stack, [left, right]))
+        };
+        let chunks: Result<Vec<(Vec<Reference>, [Side; 2])>> = refs.par_chunks(CHUNK).map(cut).collect();
+        let (stacks, sides): (Vec<_>, Vec<_>) = chunks?.into_iter().unzip();
+        let lefts: Vec<_> = stacks.iter().zip(&sides).map(|(stack, [left, _])| &stack[..left.n]).collect();
+        let rights: Vec<_> =
+            stacks.iter().zip(&sides).map(|(stack, [_, right])| &stack[stack.len() - right.n..]).collect();
+        let both = |k: usize| sides.iter().fold(Side::NONE, |all, sides| all.with(&sides[k]));
+        let left = joined(&lefts, true, "references", |_, r| r)?;
+        let right = joined(&rights, true, "references", |_, r| r)?;
+        Ok((left, right, [both(0), both(1)]))
     }
 
     /// The parts of a reference on both sides of a split; one of them at least.
-    #[inline(always)]
-    fn cut(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
-        match r.sides(split.axis, split.plane, split.flat_left) {
-            (true, false) => (Some(r), None),
-            (false, _) => (None, Some(r)),
-            (true, true) => self.cut_straddler(r, split),
-        }
-    }
-
     fn cut_straddler(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
         let (left, right) = self.clipper.split(r.id, &r.bounds(), split.axis, split.plane);
         let part = |b: Aabb| (!b.is_empty()).then(|| Reference::new(r.id, &b));

@@ -72,6 +72,7 @@ impl Candidates {
 /// Finds candidates; keeps its buffers from node to node.
 pub(crate) struct Events {
     level: Level,
+    parallel: bool,
     pub(crate) candidates: Candidates,
     lows: Vec<u32>,
     highs: Vec<u32>,
@@ -84,9 +85,10 @@ pub(crate) struct Events {
 }
 
 impl Events {
-    pub(crate) fn new(level: Level) -> Self {
+    pub(crate) fn new(level: Level, parallel: bool) -> Self {
         Self {
             level,
+            parallel,
             candidates: Candidates::default(),
             lows: Vec::new(),
             highs: Vec::new(),
@@ -111,7 +113,7 @@ impl Events {
 
     /// Takes in many references, for [`Self::sweep_bins`].
     pub(crate) fn take_bins(&mut self, refs: &[Reference], tight: &Aabb) {
-        self.bins.fill(self.level, refs, tight);
+        self.bins.fill(self.level, self.parallel, refs, tight);
     }
 
     /// Candidates that bins find.

@@ -28,14 +28,14 @@ pub use shown::Shown;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 use build::Builder;
-use layout::{Arrays, Line};
+use layout::{Arrays, Draft, Line};
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Hit, Ray, Scale};
+use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::heuristic::Heuristic;
 use crate::leaf;
-use crate::mem::{Array, reserve};
+use crate::mem::Array;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Part, Parts, Place, Written};
@@ -69,12 +69,13 @@ impl KdTree {
         let in_mesh = mesh.bounds();
         let scale = Scale::of(&in_mesh);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
-        let refs = references(&clipper)?;
+        let parallel = options.threads != Some(1);
+        let refs = references(&clipper, parallel)?;
         let max_refs = max_refs(mesh.len(), options)?;
         let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
         let branches = builder.build(refs, scale.scaled(&in_mesh), max_refs)?;
         let root = branches.nodes.len() as u32 - 1;
-        let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
+        let arrays = Draft { branches: &branches, corners: |id| mesh.corners(TriId(id)), parallel }.lay_out(root)?;
         let Arrays { root, lines, blocks, tally } = arrays;
         let tree = Self {
             root,
@@ -192,12 +193,8 @@ impl KdTree {
 }
 
 /// A reference to every triangle, whole.
-fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
-    let n = clipper.mesh.len();
-    let mut refs = Vec::new();
-    reserve(&mut refs, n, "references")?;
-    refs.extend(clipper.mesh.solid().map(|tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0)))));
-    Ok(refs)
+fn references(clipper: &TriangleClipper<'_>, parallel: bool) -> Result<Vec<Reference>> {
+    clipper.mesh.of_solid(parallel, |tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0))))
 }
 
 /// How many references the budgets allow.

@@ -47,8 +47,22 @@ enum How {
 const EXACT_UP_TO: usize = 32;
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch, level: Level) -> Self {
-        Self { heuristic, costs, search, level, events: Events::new(level), left: Vec::new(), right: Vec::new() }
+    pub(crate) fn new(
+        heuristic: &'a dyn Heuristic,
+        costs: Costs,
+        search: SplitSearch,
+        level: Level,
+        parallel: bool,
+    ) -> Self {
+        Self {
+            heuristic,
+            costs,
+            search,
+            level,
+            events: Events::new(level, parallel),
+            left: Vec::new(),
+            right: Vec::new(),
+        }
     }
 
     fn how(&self, n: usize) -> How {

@@ -28,7 +28,11 @@ pub(crate) fn joined<T: Copy + Send + Sync>(
             slot.write(change(i, element));
         }
     };
-    if parallel { pieces.into_par_iter().for_each(copy) } else { pieces.into_iter().for_each(copy) }
+    if parallel {
+        pieces.into_par_iter().for_each(copy)
+    } else {
+        pieces.into_iter().for_each(copy)
+    }
     // SAFETY: the pieces are `len` slots together; each is as long as its list, and has been written.
     unsafe { joined.set_len(len) };
     Ok(joined)
@@ -89,7 +93,8 @@ mod tests {
         for len in [0, 1, 1000, 3_000_000] {
             let vec: Vec<u32> = (0..len).collect();
             let (low, high) = vec.split_at(vec.len() / 3);
-            let copy = joined(&[low, &[], high], len > 1, "numbers", |list, x| if list == 2 { x + 1 } else { x }).unwrap();
+            let copy =
+                joined(&[low, &[], high], len > 1, "numbers", |list, x| if list == 2 { x + 1 } else { x }).unwrap();
             let vec: Vec<u32> = low.iter().copied().chain(high.iter().map(|x| x + 1)).collect();
             assert_eq!((copy.len(), copy.capacity()), (vec.len(), vec.len()));
             assert!(copy == vec);

@@ -2,11 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Tuned;
 use super::deck::Deck;
 use super::evidence::{Comparison, Measure};
 use super::options::{Clock, TuneOptions};
+use super::score::{self, Score};
 use super::verdict::{Rule, compare};
-use super::{Tuned, score};
+use crate::accel::Accel;
 use crate::error::Result;
 use crate::rays::Unseen;
 
@@ -40,16 +42,46 @@ pub fn confirm(
     options: &TuneOptions<'_>,
     clock: Option<Clock<'_>>,
 ) -> Result<Option<Confirmed>> {
+    match &tuned.sah {
+        Some(sah) => confirm_against(&tuned.accel, sah, unseen, options, clock),
+        None => options.check(clock.is_some()).map(|()| None),
+    }
+}
+
+/// [`confirm`], of any structure against any other one: whoever chose it, and when. Nothing if there are too few rays.
+///
+/// # Errors
+/// Options that make no sense.
+pub fn confirm_against(
+    accel: &Accel,
+    sah: &Accel,
+    unseen: &Unseen,
+    options: &TuneOptions<'_>,
+    clock: Option<Clock<'_>>,
+) -> Result<Option<Confirmed>> {
     options.check(clock.is_some())?;
     let deck = Deck::deal(unseen.samples(), &options.class_weights);
-    let Some(sah) = tuned.sah.as_ref().filter(|_| deck.too_few("unseen").is_none()) else { return Ok(None) };
+    if deck.too_few("unseen").is_some() {
+        return Ok(None);
+    }
     let base = sah.stats().spec;
     let rule = |measure| Rule { measure, margin: 0.0, interval_risk: options.risk / 2.0 };
-    let counted = [&tuned.accel, sah].map(|accel| score::count(accel, &deck).score);
-    let timed = clock.map(|clock| score::time(&[&tuned.accel, sah], &deck, options.rounds, clock));
+    let pair = [accel, sah];
+    let counted = pair.map(|accel| vec![score::count(accel, &deck).score]);
+    let timed = clock.map(|clock| sessions(pair, &deck, options.rounds, clock));
     Ok(Some(Confirmed {
         rays: deck.samples(),
         counts: compare((&counted[0], &counted[1]), &deck, rule(Measure::Counts), base),
         time: timed.map(|t| compare((&t[0], &t[1]), &deck, rule(Measure::Time), base)),
     }))
+}
+
+/// Times of both in two sessions.
+fn sessions(pair: [&Accel; 2], deck: &Deck, rounds: usize, clock: Clock<'_>) -> [Vec<Score>; 2] {
+    let mut scores = [Vec::new(), Vec::new()];
+    for _ in 0..2 {
+        let session = score::time(&pair, deck, rounds, clock);
+        scores.iter_mut().zip(session).for_each(|(of, score)| of.push(score));
+    }
+    scores
 }

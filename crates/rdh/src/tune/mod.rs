@@ -23,7 +23,7 @@ mod verdict;
 mod words;
 
 pub use candidates::{CANDIDATES, Candidate};
-pub use confirm::{Confirmed, confirm};
+pub use confirm::{Confirmed, confirm, confirm_against};
 pub use evidence::{ClassRatio, Comparison, Evidence, Measure, Outcome, RaysUsed, Rung, Trial};
 pub use options::{Clock, TuneOptions};
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use rdh::tune::{Confirmed, Evidence, confirm};
 use rdh::{Accel, BuildOptions, Profile, Provenance, Spec, Training, TuneOptions};
+use rdh_scene::saved;
 use rdh_study::Mode;
 use rdh_study::clock::process_nanos;
 use serde::Serialize;
@@ -13,7 +14,6 @@ use serde_json::json;
 use crate::args::TuneArgs;
 use crate::commands::record::record;
 use crate::context::Context;
-use crate::output::write_file;
 use crate::staged::Staged;
 
 /// Where rays come from.
@@ -78,7 +78,7 @@ pub(super) fn tune(
     context: &Context,
 ) -> Result<Case> {
     let profile = source.profile(staged, args, context.seed)?;
-    let (training, held_out, unseen) = profile.split(context.seed);
+    let (training, held_out, unseen) = profile.clone().split(context.seed);
     let options = TuneOptions {
         build: BuildOptions { max_bytes: args.max_mb, ..BuildOptions::default() },
         max_build_secs: args.max_build_secs,
@@ -94,7 +94,8 @@ pub(super) fn tune(
         .with_context(|| format!("{} can't be tuned", staged.name()))?;
     let unseen = confirm(&tuned, &unseen, &options, clock)?;
     if let Some(file) = &args.output {
-        save(file, tuned.accel, staged, source, context.seed)?;
+        let [_, _, unseen] = profile.split_profiles(context.seed);
+        save(file, tuned.accel, staged, source, unseen, context.seed)?;
     }
     Ok(Case {
         scene: staged.scene.clone(),
@@ -108,15 +109,15 @@ pub(super) fn tune(
     })
 }
 
-/// Writes the structure with what it was made for; the evidence is there already.
-fn save(file: &Path, accel: Accel, staged: &Staged, source: &Source, seed: u64) -> Result<()> {
+/// Writes the structure with what it was made for, and the rays that may judge it; the evidence is there already.
+fn save(file: &Path, accel: Accel, staged: &Staged, source: &Source, unseen: Profile, seed: u64) -> Result<()> {
     let settings = json!({
         "program": concat!("rdh ", env!("CARGO_PKG_VERSION")),
-        "scene": staged.scene,
+        "scene": *staged.setting,
         "view": staged.view.name,
         "rays": source.name(),
     });
-    let provenance = Provenance { seed: Some(seed), settings, ..accel.provenance().clone() };
-    let bytes = accel.with_provenance(provenance).to_bytes().with_context(|| file.display().to_string())?;
-    write_file(file, &bytes)
+    let (seed, unseen) = (Some(seed), Some(unseen));
+    let provenance = Provenance { seed, settings, unseen, ..accel.provenance().clone() };
+    Ok(saved::save(&accel.with_provenance(provenance), file)?)
 }

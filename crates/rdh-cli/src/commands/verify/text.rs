@@ -1,9 +1,9 @@
 //! What was found out, in words.
 
 use rdh::Profile;
-use rdh_study::verify::Race;
+use rdh::tune::Comparison;
 
-use super::Verified;
+use super::{Race, Verified};
 
 /// A line for each proof.
 pub(super) fn text(verified: &Verified, unseen: Option<&Profile>) -> String {
@@ -28,13 +28,16 @@ pub(super) fn text(verified: &Verified, unseen: Option<&Profile>) -> String {
 }
 
 fn race_line(race: &Race) -> String {
-    let Race { base, rays, steps_ratio, tests_ratio, .. } = race;
+    let base = &race.base;
+    let Some(found) = &race.found else { return format!("not raced against {base}: there are too few unseen rays") };
     let verdict = if race.slower { "slower than" } else { "not slower than" };
-    let time = match (race.time_ratio, race.time_ratio_ci95) {
-        (Some(ratio), Some([low, high])) => format!(", time {ratio:.2} ({low:.2}–{high:.2})"),
-        _ => String::new(),
+    let shown = |c: &Comparison| {
+        let interval = c.interval.map_or_else(|| "no bound".to_owned(), |[low, high]| format!("{low:.2} to {high:.2}"));
+        format!("{:.2} ({interval})", c.ratio)
     };
-    format!("{verdict} {base} on {rays} unseen rays: steps {steps_ratio:.2}, tests {tests_ratio:.2}{time}")
+    let time = found.time.as_ref().map_or_else(String::new, |time| format!(", {} of the time", shown(time)));
+    let counts = shown(&found.counts);
+    format!("{verdict} {base} on {} unseen rays: {counts} of the cost in steps and tests{time}", found.rays)
 }
 
 /// Why the tree is refused.
@@ -45,7 +48,7 @@ pub(super) fn verdict(verified: &Verified) -> String {
     }
     let wrong = verified.brute_force.as_ref().is_some_and(|b| b.different > 0);
     match verified.races.iter().find(|race| race.slower) {
-        _ if wrong || verified.races.iter().any(|race| race.different > 0) => format!("{file} gives wrong answers"),
+        _ if wrong => format!("{file} gives wrong answers"),
         Some(race) => format!("{file} is slower than {}", race.base),
         None => format!("{file} was not proved"),
     }
