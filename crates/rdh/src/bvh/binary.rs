@@ -66,7 +66,8 @@ impl BinaryNode {
 /// Subtrees of at most so many nodes, in order, and the nodes above them: what several threads share out, the same for any number.
 pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
     let (mut above, mut below) = (Vec::new(), Vec::new());
-    let mut todo = vec![0..nodes.len()];
+    let mut todo = Vec::new();
+    todo.push(0..nodes.len());
     while let Some(subtree) = todo.pop() {
         let root = subtree.start;
         if subtree.len() <= most || !nodes[root].is_interior() {
