@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Width};
+use crate::bvh::{BvhSpec, Effort, Splitter, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -156,34 +156,45 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         "bvh4" | "sbvh4" => Width::Four,
         _ => Width::Eight,
     };
-    let mut bvh = BvhSpec { width, spatial: part.name.starts_with('s'), ..BvhSpec::default() };
+    let splitter = if part.name.starts_with('s') { Splitter::Spatial } else { Splitter::Objects };
+    let mut bvh = BvhSpec { width, splitter, ..BvhSpec::default() };
     for &(key, value) in &part.parameters {
         match (key, value) {
+            ("quick" | "high", "") if bvh.effort != Effort::Default => return Err("quick or high: give one".to_owned()),
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
-            _ => return Err(unknown(part.name, key, "quick, high")),
+            ("from", _) if splitter == Splitter::Spatial => {
+                return Err(format!(
+                    "from belongs to {}: spatial splits are another way to cut triangles",
+                    &part.name[1..]
+                ));
+            }
+            ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
+            _ => return Err(unknown(part.name, key, "quick, high, from=kd")),
         }
     }
     Ok(bvh)
 }
 
 fn bvh_name(bvh: &BvhSpec) -> &'static str {
-    match (bvh.spatial, bvh.width) {
-        (false, Width::Two) => "bvh2",
-        (false, Width::Four) => "bvh4",
-        (false, Width::Eight) => "bvh8",
-        (true, Width::Two) => "sbvh2",
-        (true, Width::Four) => "sbvh4",
-        (true, Width::Eight) => "sbvh8",
+    match (bvh.splitter, bvh.width) {
+        (Splitter::Spatial, Width::Two) => "sbvh2",
+        (Splitter::Spatial, Width::Four) => "sbvh4",
+        (Splitter::Spatial, Width::Eight) => "sbvh8",
+        (_, Width::Two) => "bvh2",
+        (_, Width::Four) => "bvh4",
+        (_, Width::Eight) => "bvh8",
     }
 }
 
 fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
-    match bvh.effort {
-        Effort::Quick => vec!["quick".to_owned()],
-        Effort::Default => Vec::new(),
-        Effort::High => vec!["high".to_owned()],
-    }
+    let effort = match bvh.effort {
+        Effort::Quick => Some("quick"),
+        Effort::Default => None,
+        Effort::High => Some("high"),
+    };
+    let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
+    effort.into_iter().chain(from).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -330,6 +341,7 @@ mod tests {
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
+            ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -347,6 +359,9 @@ mod tests {
         for text in [
             "",
             "bvh9+sah",
+            "bvh8(from=bvh)",
+            "sbvh8(from=kd)",
+            "bvh8(quick,high)",
             "kd(leaf=3)",
             "kd(leaves=8)",
             "kd(idle=-1)",

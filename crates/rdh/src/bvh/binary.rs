@@ -53,7 +53,7 @@ impl BinaryNode {
     }
 
     /// The same node where `more` primitives come before its own.
-    pub(crate) fn with_later_primitives(self, more: u32) -> Self {
+    fn with_later_primitives(self, more: u32) -> Self {
         if self.is_interior() { self } else { Self(self.0.with(self.0.link + more, self.0.count)) }
     }
 
@@ -108,6 +108,27 @@ pub(crate) fn grow<C: Chooser>(
     let (extent, centres) = search.measure(primitives);
     let rays = chooser.root(&extent);
     Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })
+}
+
+/// Adds a subtree by areas to a list; `first` is the place of the first primitive. It lies so deep that there is room below it for
+/// halving the primitives down to leaves.
+pub(crate) fn grow_below(
+    nodes: &mut Vec<BinaryNode>,
+    primitives: &mut [Extent],
+    first: usize,
+    depth: u32,
+    search: Search,
+    watch: &Watch<'_>,
+) -> Result<Extent> {
+    let (extent, centres) = search.measure(primitives);
+    let grower = Grower { search, chooser: &ByArea, watch };
+    grower.grow_in(nodes, primitives, first, Node { extent, centres, depth, rays: () })?;
+    Ok(extent)
+}
+
+/// How often `n` primitives are halved until leaves of `leaf` are left.
+pub(crate) fn halvings(n: usize, leaf: usize) -> u32 {
+    n.div_ceil(leaf).next_power_of_two().trailing_zeros()
 }
 
 /// What stays the same for all nodes.
@@ -179,9 +200,8 @@ impl<C: Chooser> Grower<'_, C> {
     /// Parts a node's primitives: how many are on the left, and what both sides are to become.
     fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
-        let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        let split =
-            if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
+        let has_room = todo.depth + halvings(primitives.len(), self.search.leaf) < DEEPEST;
+        let split = if has_room { self.chooser.best(&self.search, primitives, todo) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo),
             None => self.part_in_the_middle(primitives, todo),
@@ -210,8 +230,26 @@ impl<C: Chooser> Grower<'_, C> {
     }
 }
 
+/// A tree over references, and their ids in the order of its leaves.
+#[derive(Default)]
+pub(crate) struct Grown {
+    pub(crate) nodes: Vec<BinaryNode>,
+    pub(crate) ids: Vec<u32>,
+}
+
+impl Grown {
+    /// A node over two trees.
+    pub(crate) fn join(extent: Extent, left: Self, mut right: Self) -> Result<Self> {
+        let mut ids = left.ids;
+        right.nodes.iter_mut().for_each(|node| *node = node.with_later_primitives(ids.len() as u32));
+        reserve(&mut ids, right.ids.len(), "references")?;
+        ids.extend(right.ids);
+        Ok(Self { nodes: join(extent, left.nodes, right.nodes)?, ids })
+    }
+}
+
 /// A node over two lists.
-pub(crate) fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
     let total = left.len() + right.len() + 1;
     if total > u32::MAX as usize / 2 {
         return Err(Error::OverBudget { what: "nodes", limit: u32::MAX as usize / 2 });

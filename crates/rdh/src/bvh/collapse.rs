@@ -43,9 +43,11 @@ struct Cut<const W: usize> {
 }
 
 impl<const W: usize> Cuts<W> {
-    /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. O(N W²).
+    /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. Where some primitives may have several references,
+    /// `repeated` has their ids, of which a leaf needs each but once. O(N W²).
     pub(crate) fn cheapest(
         nodes: &[BinaryNode],
+        repeated: Option<&[u32]>,
         costs: Costs,
         visits: impl Fn(usize) -> f32,
         watch: &Watch<'_>,
@@ -71,6 +73,9 @@ impl<const W: usize> Cuts<W> {
             counts[i] = counts[l].saturating_add(counts[r]);
             let (parts, lefts) = share(&forests[l], &forests[r]);
             let whole = weight * costs.node + parts[W - 1];
+            if let Some(ids) = repeated.filter(|_| (LANES + 1..=2 * LANES).contains(&(counts[i] as usize))) {
+                counts[i] = distinct(nodes, ids, i).unwrap_or(counts[i]);
+            }
             let leaf = counts[i] as usize <= LANES && test <= whole;
             let (mut forest, mut left) = ([if leaf { test } else { whole }; W], [0; W]);
             left[W - 1] = lefts[W - 1];
@@ -130,6 +135,30 @@ impl<const W: usize> Cuts<W> {
     }
 }
 
+/// How many primitives a subtree has, if one test is enough for them; else nothing.
+fn distinct(nodes: &[BinaryNode], ids: &[u32], node: usize) -> Option<u32> {
+    let (mut found, mut n) = ([0; LANES], 0);
+    // In preorder a subtree ends where no child is left to come.
+    let mut to_come = 1;
+    for node in &nodes[node..] {
+        if node.is_interior() {
+            to_come += 1;
+            continue;
+        }
+        for id in &ids[node.range()] {
+            if !found[..n].contains(id) {
+                *found.get_mut(n)? = *id;
+                n += 1;
+            }
+        }
+        to_come -= 1;
+        if to_come == 0 {
+            break;
+        }
+    }
+    Some(n as u32)
+}
+
 /// The cheapest ways to share k roots among two children, k = 2 … W at element k − 1; and what the left one gets.
 #[inline(always)]
 fn share<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W]) {
@@ -143,4 +172,19 @@ fn share<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W
         }
     }
     (parts, lefts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::extent::Extent;
+    use super::*;
+
+    #[test]
+    fn a_primitive_counts_once_in_a_leaf() {
+        let leaf = |first, count| BinaryNode::leaf(Extent::EMPTY, first, count);
+        let nodes = [BinaryNode::interior(Extent::EMPTY, 2), leaf(0, 5), leaf(5, 5), leaf(10, 1)];
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 5, 4, 3, 2, 6, 7], 0), Some(6));
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 9], 0), Some(8));
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2], 0), None);
+    }
 }

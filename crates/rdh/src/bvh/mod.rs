@@ -1,12 +1,13 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
 //! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
-//! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it; `visits` says how often rays come to each node,
+//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it; `visits` says how often rays come to each node,
 //! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
 
 mod binary;
 mod build;
+mod cells;
 mod check;
 mod chop;
 mod collapse;
@@ -22,7 +23,7 @@ mod trace;
 mod visits;
 
 pub use layout::Tally;
-pub use spec::{BvhSpec, Effort, Width};
+pub use spec::{BvhSpec, Effort, Splitter, Width};
 
 use std::sync::Arc;
 

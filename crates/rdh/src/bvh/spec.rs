@@ -9,8 +9,8 @@ pub struct BvhSpec {
     pub width: Width,
     /// How much work goes into the build.
     pub effort: Effort,
-    /// Whether primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
-    pub spatial: bool,
+    /// What parts the primitives.
+    pub splitter: Splitter,
 }
 
 /// How many children a node has at most.
@@ -35,4 +35,16 @@ pub enum Effort {
     Default,
     /// Nodes are moved about afterwards, where that makes the tree cheaper: for scenes that stay.
     High,
+}
+
+/// What parts the primitives of the binary tree that wide nodes are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Splitter {
+    /// Each primitive goes to one side, whole. Recommended.
+    #[default]
+    Objects,
+    /// Primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
+    Spatial,
+    /// The cells of a kd-tree: primitives are cut at all of its planes. The heuristic chooses these.
+    KdTree,
 }

@@ -3,7 +3,7 @@
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
-mod branch;
+pub(crate) mod branch;
 mod build;
 mod check;
 mod cost;
@@ -15,7 +15,7 @@ mod reference;
 mod shown;
 mod spec;
 mod split;
-mod stop;
+pub(crate) mod stop;
 mod trace;
 
 pub use cost::Costs;
@@ -27,6 +27,7 @@ pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 use std::sync::Arc;
 
+use branch::{Branches, Kept};
 use build::Builder;
 use layout::{Arrays, Line};
 
@@ -69,10 +70,7 @@ impl KdTree {
         let scale = Scale::of(&bounds);
         let bounds = scale.scaled(&bounds);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
-        let refs = references(&clipper)?;
-        let max_refs = max_refs(mesh.len(), options)?;
-        let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
-        let branches = builder.build(refs, bounds, max_refs)?;
+        let branches = grow(&clipper, bounds, spec, heuristic, max_refs(mesh.len(), options)?, options)?;
         let root = branches.nodes.len() as u32 - 1;
         let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
         let Arrays { root, lines, blocks, tally } = arrays;
@@ -143,6 +141,19 @@ impl KdTree {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
+}
+
+/// Grows the branches over a mesh's triangles within `bounds`, with at most so many references; the root is the last one.
+pub(crate) fn grow<K: Kept>(
+    clipper: &TriangleClipper<'_>,
+    bounds: Aabb,
+    spec: &KdSpec,
+    heuristic: &dyn Heuristic,
+    max_refs: usize,
+    options: &BuildOptions<'_>,
+) -> Result<Branches<K>> {
+    let refs = references(clipper)?;
+    Builder::new(clipper, heuristic, *spec, clipper.mesh.len(), options).build(refs, bounds, max_refs)
 }
 
 /// A reference to every triangle, whole.

@@ -29,7 +29,11 @@ pub const SPECS: &[&str] = &[
     "sbvh8+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
+    "bvh8(from=kd)+sah",
+    "bvh4(high,from=kd)+sah",
     "bvh8+rdh",
+    "bvh8(from=kd)+rdh",
+    "bvh2(quick,from=kd)+rdh(paper)",
     "bvh2+rdh(prior=0)",
     "sbvh8(high)+rdh(rays=whole)",
 ];
