@@ -22,12 +22,16 @@ mod mem;
 pub mod mesh;
 pub mod naive;
 pub mod options;
+mod parts;
 pub mod probe;
 pub mod rays;
+pub mod sanitised;
+pub mod saved;
 pub mod simd;
 pub mod spec;
+mod surface;
 
-pub use accel::{Accel, Stats, build};
+pub use accel::{Accel, Provenance, Stats, build};
 pub use error::{Error, Result};
 pub use geom::{Aabb, Axis, GeomId, Hit, InstId, Ray, TriId, Vec3};
 pub use heuristic::{HeuristicSpec, RdhSpec};

@@ -1,7 +1,5 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
-use std::sync::Arc;
-
 use super::binary::{self, BinaryNode, ByArea, Grown};
 use super::cells::{self, Cells};
 use super::collapse::{Costs, Cuts};
@@ -31,13 +29,11 @@ impl<const W: usize> Bvh<W> {
         check_size(mesh, options)?;
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
-        let bounds = mesh.bounds();
-        let scale = Scale::of(&bounds);
-        let bounds = scale.scaled(&bounds);
-        let build = Build { mesh, spec, guide, options, scale, bounds, watch: &watch };
+        let in_mesh = mesh.bounds();
+        let scale = Scale::of(&in_mesh);
+        let build = Build { mesh, spec, guide, options, scale, bounds: scale.scaled(&in_mesh), watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
-        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
+        let tree = Self { tally, ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array()) };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -78,7 +74,7 @@ struct Build<'a> {
 impl Build<'_> {
     /// The binary tree, improved as the effort says.
     fn grow(&self) -> Result<Grown> {
-        if self.mesh.is_empty() {
+        if self.mesh.solid().next().is_none() {
             return Ok(Grown::default());
         }
         let grown = match self.spec.splitter {
@@ -135,9 +131,9 @@ impl Build<'_> {
     fn primitives(&self) -> Result<Vec<Extent>> {
         let mut primitives = Vec::new();
         reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend((0..self.mesh.len() as u32).map(|id| {
-            let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), id, 0)
+        primitives.extend(self.mesh.solid().map(|tri| {
+            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
+            Extent::new(&Aabb::around(&corners), tri.0, 0)
         }));
         Ok(primitives)
     }

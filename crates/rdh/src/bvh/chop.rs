@@ -2,11 +2,11 @@
 
 use super::extent::Extent;
 use super::split::tests;
-use crate::clip::Clipper;
+use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::{Aabb, Axis};
 use crate::mem::reserve;
-use crate::simd::{Job, Kernels, Portable};
+use crate::simd::{Four, Job, Kernels, Portable};
 
 /// The most bins an axis gets.
 const BINS: usize = 32;
@@ -112,6 +112,27 @@ struct Bin {
     exits: u32,
 }
 
+impl Bin {
+    /// Takes in a part between two planes across an axis, if there is any.
+    #[inline(always)]
+    fn grow<K: Kernels>(&mut self, part: Slice, axis: Axis, (from, to): (f32, f32)) {
+        // Zeros lose their sign, as in `Extent::new`.
+        let min = (part.min + Four::splat(0.0)).to_point();
+        let negated_max = (Four::splat(0.0) - part.max).to_point();
+        let mut extent = Extent { min, link: 0, negated_max, count: 0 };
+        (extent.min[axis.index()], extent.negated_max[axis.index()]) = (from, 0.0 - to);
+        if !extent.is_empty() {
+            self.extent.grow::<K>(&extent);
+        }
+    }
+}
+
+/// A reference's box, in lanes.
+#[inline(always)]
+fn slice_of(reference: &Extent) -> Slice {
+    Slice { min: Four::point(reference.min), max: Four::splat(0.0) - Four::point(reference.negated_max) }
+}
+
 impl<C: Clipper> Job for Chop<'_, C> {
     type Output = Option<SpatialSplit>;
 
@@ -136,19 +157,22 @@ impl<C: Clipper> Chop<'_, C> {
         let mut bins = [Bin { extent: Extent::EMPTY, entries: 0, exits: 0 }; BINS];
         let a = slabs.axis.index();
         for reference in self.references {
-            let (first, last) = (slabs.bin_of(reference.min[a]), slabs.bin_of(-reference.negated_max[a]));
+            let (from, to) = (reference.min[a], -reference.negated_max[a]);
+            let (first, last) = (slabs.bin_of(from), slabs.bin_of(to));
             bins[first].entries += 1;
             bins[last].exits += 1;
-            let mut rest = *reference;
-            for (bin, slab) in bins[first..last].iter_mut().zip(first..) {
-                let (part, after) = self.clipper.split(reference.link, &rest.bounds(), slabs.axis, slabs.plane(slab));
-                if !part.is_empty() {
-                    bin.extent.grow::<K>(&Extent::new(&part, 0, 0));
-                }
-                rest = Extent::new(&after, 0, 0);
+            if first == last {
+                bins[first].extent.grow::<K>(reference);
+                continue;
             }
-            if !rest.bounds().is_empty() {
-                bins[last].extent.grow::<K>(&rest);
+            let (whole, slope) = (slice_of(reference), self.clipper.slope(reference.link, slabs.axis));
+            let mut before = (from, slope.section(from));
+            for (bin, slab) in bins[first..=last].iter_mut().zip(first..) {
+                let plane = if slab == last { to } else { slabs.plane(slab) };
+                let after = (plane, slope.section(plane));
+                let part = slope.between(before, after).intersection(whole);
+                bin.grow::<K>(part, slabs.axis, (before.0, plane));
+                before = after;
             }
         }
         bins

@@ -48,3 +48,14 @@ pub enum Splitter {
     /// The cells of a kd-tree: primitives are cut at all of its planes. The heuristic chooses these.
     KdTree,
 }
+
+impl Width {
+    /// The number of children.
+    pub(crate) fn children(self) -> u32 {
+        match self {
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+}

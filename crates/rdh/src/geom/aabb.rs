@@ -46,6 +46,11 @@ impl Aabb {
         out
     }
 
+    /// Whether another box lies in this one, and is none that holds nothing or has a NaN.
+    pub(crate) fn holds(&self, other: &Self) -> bool {
+        (0..3).all(|a| self.min[a] <= other.min[a] && other.min[a] <= other.max[a] && other.max[a] <= self.max[a])
+    }
+
     /// Whether it holds no point at all.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {

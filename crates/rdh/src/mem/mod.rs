@@ -1,10 +1,15 @@
-//! Memory: fallible allocation, large pages, and buffers that are not cleared before use.
-#![allow(unsafe_code, reason = "uninitialised buffers and advice about pages are the purpose of this module")]
+//! Memory: fallible allocation, large pages, arrays that may lie in a mapped file, and buffers that are not cleared before use.
+#![allow(
+    unsafe_code,
+    reason = "uninitialised buffers, shared memory and advice about pages are the purpose of this module"
+)]
 
+mod array;
 mod settled;
 mod stack;
 
-pub(crate) use settled::settled;
+pub(crate) use array::{Array, Bytes, Lent, Plain, bytes_of};
+pub(crate) use settled::{settled, settled_bytes};
 pub(crate) use stack::{Slots, Stack};
 
 use crate::error::{Error, Result};

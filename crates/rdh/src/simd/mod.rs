@@ -15,11 +15,13 @@ mod avx2_boxes;
 mod avx512;
 mod block;
 mod boxes;
+mod four;
 mod guess;
 mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use portable::Portable;
 
