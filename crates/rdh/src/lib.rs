@@ -30,6 +30,10 @@ pub mod saved;
 pub mod simd;
 pub mod spec;
 mod surface;
+#[cfg(feature = "twin")]
+#[doc(hidden)]
+#[cfg_attr(not(target_arch = "x86_64"), path = "no_twin.rs")]
+pub mod twin;
 
 pub use accel::{Accel, Provenance, Stats, build};
 pub use error::{Error, Result};

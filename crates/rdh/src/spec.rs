@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Splitter, Width};
+use crate::bvh::{BvhSpec, Effort, Splitter, Triangles, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -170,7 +170,9 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
                 ));
             }
             ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
-            _ => return Err(unknown(part.name, key, "quick, high, from=kd")),
+            ("compact", "") if width == Width::Eight => bvh.triangles = Triangles::Shared,
+            ("compact", "") => return Err(format!("compact is for bvh8 and sbvh8, not for {}", part.name)),
+            _ => return Err(unknown(part.name, key, "quick, high, from=kd, compact")),
         }
     }
     Ok(bvh)
@@ -194,7 +196,8 @@ fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
         Effort::High => Some("high"),
     };
     let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
-    effort.into_iter().chain(from).map(str::to_owned).collect()
+    let compact = (bvh.triangles == Triangles::Shared).then_some("compact");
+    effort.into_iter().chain(from).chain(compact).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -342,6 +345,7 @@ mod tests {
             ("sbvh8", "sbvh8+sah"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
+            ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -360,6 +364,7 @@ mod tests {
             "",
             "bvh9+sah",
             "bvh8(from=bvh)",
+            "bvh4(compact)",
             "sbvh8(from=kd)",
             "bvh8(quick,high)",
             "kd(leaf=3)",

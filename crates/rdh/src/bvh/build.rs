@@ -6,21 +6,23 @@ use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
 use super::guided::ByRays;
 use super::layout::{self, Arrays};
+use super::leaves::Leaves;
 use super::link::Link;
 use super::split::Search;
 use super::visits::Visits;
 use super::{Bvh, BvhSpec, Effort, Splitter, reinsert, spatial};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Scale, TriId};
+use crate::geom::{Aabb, Scale};
 use crate::heuristic::{Heuristic, Rdh, Sah};
 use crate::kd::{KdSpec, Prune};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::{LANES, Level};
+use crate::simd::{LANES, Lanes, Level};
 
-impl<const W: usize> Bvh<W> {
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
     ///
     /// # Errors
@@ -33,7 +35,7 @@ impl<const W: usize> Bvh<W> {
         let scale = Scale::of(&in_mesh);
         let build = Build { mesh, spec, guide, options, scale, bounds: scale.scaled(&in_mesh), watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let tree = Self { tally, ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array()) };
+        let tree = Self { tally, ..Self::of_arrays(mesh, nodes.into(), blocks.into()) };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -157,7 +159,7 @@ impl Build<'_> {
     }
 
     /// Wide nodes and blocks of triangles.
-    fn pack<const W: usize>(&self, grown: Grown) -> Result<Arrays<W>> {
+    fn pack<B: Lanes, const W: usize>(&self, grown: Grown) -> Result<Arrays<B, W>> {
         let Grown { nodes, ids } = grown;
         let weights = self.weights(&nodes)?;
         self.watch.check_cancelled()?;
@@ -170,7 +172,14 @@ impl Build<'_> {
             None if self.cuts_triangles() => weights.stops[i] / cuts.count(i) as f32,
             None => weights.stops[i],
         };
-        layout::lay_out(&nodes, &ids, &cuts, order, |id| self.mesh.corners(TriId(id)), self.watch)
+        layout::lay_out(
+            &nodes,
+            &ids,
+            &cuts,
+            order,
+            |block: &mut B, lane, id| block.put(lane, id, self.mesh),
+            self.watch,
+        )
     }
 
     fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {

@@ -4,16 +4,15 @@ use super::binary::BinaryNode;
 use super::collapse::Cuts;
 use super::link::Link;
 use crate::error::{Error, Result};
-use crate::geom::Vec3;
 use crate::mem::{reserve, settled};
 use crate::options::Watch;
-use crate::simd::{Block, Boxes, LANES};
+use crate::simd::{Boxes, LANES, Lanes};
 
 /// A finished tree's arrays.
 #[derive(Debug, Clone)]
-pub(crate) struct Arrays<const W: usize> {
+pub(crate) struct Arrays<B, const W: usize> {
     pub(crate) nodes: Vec<Boxes<W>>,
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<B>,
     pub(crate) tally: Tally,
 }
 
@@ -31,18 +30,18 @@ pub struct Tally {
 }
 
 /// Lays out a binary tree whose leaves hold ranges of `ids`. Of a node's children those come first for
-/// which `order` gives the most; `corners` gives a triangle's corners.
-pub(crate) fn lay_out<const W: usize>(
+/// which `order` gives the most; `put` writes a triangle into a lane.
+pub(crate) fn lay_out<B: Lanes, const W: usize>(
     binary: &[BinaryNode],
     ids: &[u32],
     cuts: &Cuts<W>,
     order: impl Fn(usize) -> f32,
-    corners: impl Fn(u32) -> [Vec3; 3],
+    put: impl Fn(&mut B, usize, u32),
     watch: &Watch<'_>,
-) -> Result<Arrays<W>> {
+) -> Result<Arrays<B, W>> {
     let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
     let (open, gathered) = (Vec::new(), Vec::new());
-    let mut layout = Layout { binary, ids, cuts, order, corners, watch, arrays, open, gathered };
+    let mut layout = Layout { binary, ids, cuts, order, put, watch, arrays, open, gathered };
     if binary.is_empty() {
         layout.new_node()?;
     } else {
@@ -53,14 +52,14 @@ pub(crate) fn lay_out<const W: usize>(
     Ok(Arrays { nodes: settled(&nodes, "nodes")?, blocks: settled(&blocks, "blocks of triangles")?, tally })
 }
 
-struct Layout<'a, F, G, const W: usize> {
+struct Layout<'a, F, G, B, const W: usize> {
     binary: &'a [BinaryNode],
     ids: &'a [u32],
     cuts: &'a Cuts<W>,
     order: F,
-    corners: G,
+    put: G,
     watch: &'a Watch<'a>,
-    arrays: Arrays<W>,
+    arrays: Arrays<B, W>,
     /// Blocks with room: which, and the first free lane.
     open: Vec<(usize, usize)>,
     /// A leaf's triangles.
@@ -77,7 +76,7 @@ struct ToPlace {
 /// Blocks that may wait for more triangles at the same time; leaves that lie far apart should not share one.
 const OPEN: usize = 4;
 
-impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F, G, W> {
+impl<F: Fn(usize) -> f32, G: Fn(&mut B, usize, u32), B: Lanes, const W: usize> Layout<'_, F, G, B, W> {
     /// Depth first: a node, then what lies below its first child.
     fn place_all(&mut self) -> Result<()> {
         let mut todo = vec![ToPlace { node: 0, parent: None, depth: 0 }];
@@ -145,8 +144,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
         };
         let (block, lane) = self.open[open];
         for (i, &id) in self.gathered.iter().enumerate() {
-            let corners = (self.corners)(id);
-            self.arrays.blocks[block].set(lane + i, &corners, id);
+            (self.put)(&mut self.arrays.blocks[block], lane + i, id);
         }
         self.open[open].1 += count;
         if self.open[open].1 == LANES {
@@ -181,7 +179,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
     /// Unused lanes repeat the last triangle.
     fn pad(&mut self, block: usize, lane: usize) {
         let block = &mut self.arrays.blocks[block];
-        let (corners, id) = (block.corners(lane - 1), block.ids[lane - 1]);
-        (lane..LANES).for_each(|lane| block.set(lane, &corners, id));
+        let id = block.ids()[lane - 1];
+        (lane..LANES).for_each(|lane| (self.put)(block, lane, id));
     }
 }

@@ -11,6 +11,8 @@ pub struct BvhSpec {
     pub effort: Effort,
     /// What parts the primitives.
     pub splitter: Splitter,
+    /// What leaves hold of triangles.
+    pub triangles: Triangles,
 }
 
 /// How many children a node has at most.
@@ -47,6 +49,16 @@ pub enum Splitter {
     Spatial,
     /// The cells of a kd-tree: primitives are cut at all of its planes. The heuristic chooses these.
     KdTree,
+}
+
+/// What leaves hold of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Triangles {
+    /// Copies of their corners. Recommended.
+    #[default]
+    Copied,
+    /// The indices of their vertices in the mesh: less memory, slower to trace. For eight children a node.
+    Shared,
 }
 
 impl Width {

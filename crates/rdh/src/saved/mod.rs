@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!    0  magic "RDH-TREE"
-//!    8  u32 version, u32 layout: 1 a kd-tree; 2, 4, 8 a bounding volume hierarchy of this width
+//!    8  u32 version, u32 layout: 1 a kd-tree; 2, 4, 8 a bounding volume hierarchy of this width; 256 more if its
+//!       leaves index the mesh's vertices
 //!   16  u64 xxh3 checksum of all that follows
 //!   24  u64 length of the file
 //!   32  u64 xxh3 checksum of the mesh
@@ -28,10 +29,13 @@ mod write;
 use description::Description;
 
 use crate::accel::Accel;
+use crate::bvh::Triangles;
 use crate::error::{Error, Result};
 use crate::parts::{Part, Written};
 use crate::spec::{Spec, StructureSpec};
 
+/// A bit of the layout.
+const SHARED: u32 = 256;
 const MAGIC: &[u8; 8] = b"RDH-TREE";
 const VERSION: u32 = 1;
 /// Where the checksummed part begins.
@@ -49,7 +53,10 @@ const NOT_HERE: &str = "saved trees are for little-endian machines";
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
         StructureSpec::Kd(_) => 1,
-        StructureSpec::Bvh(bvh) => bvh.width.children(),
+        StructureSpec::Bvh(bvh) => match bvh.triangles {
+            Triangles::Copied => bvh.width.children(),
+            Triangles::Shared => bvh.width.children() | SHARED,
+        },
     }
 }
 
