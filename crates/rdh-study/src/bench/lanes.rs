@@ -7,7 +7,6 @@ use rdh::twin::Twin;
 use rdh::{Accel, Hit, Query, Ray};
 
 use super::columns::Column;
-use super::plan::BenchPlan;
 use super::process::{Cast, Process, Trouble};
 use super::registry::{Form, Pace, Queries, Registration};
 use super::rows::Profile;
@@ -80,10 +79,10 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// The leaky twin of one of ours.
-    pub(crate) fn twin(ours: &Ours, twin: &'a Twin) -> Self {
+    /// A leaky twin of one of ours.
+    pub(crate) fn twin(name: &str, ours: &Ours, twin: &'a Twin) -> Self {
         let Lane { label, form, pace, queries, profile, build_secs, bytes, .. } = Lane::ours(ours);
-        let (label, base) = (format!("leaky {label}"), Some(BenchPlan::TWIN.to_owned()));
+        let (label, base) = (format!("{name}({label})"), Some(name.to_owned()));
         Self { label, base, version: None, form, pace, queries, profile, build_secs, bytes, runner: Runner::Twin(twin) }
     }
 

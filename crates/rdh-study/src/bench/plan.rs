@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use rdh::Spec;
+use rdh::twin::Leak;
 
 use super::columns::Column;
 use super::registry::{Registration, known_engines};
@@ -16,7 +17,7 @@ pub struct BenchPlan {
     pub targets: Vec<Target>,
     /// Our structures.
     pub specs: Vec<Spec>,
-    /// Of which of them, a `bvh8` or `sbvh8`, the leaky twin races: what its watertightness costs.
+    /// Of which of them, a `bvh8` or `sbvh8`, leaky twins race: what its watertightness costs.
     pub twin: Option<Spec>,
     /// Kinds of rays.
     pub columns: Vec<Column>,
@@ -65,8 +66,9 @@ impl BenchPlan {
     /// Our structures that race unless others are named.
     const SPECS: &'static str = "bvh8(high)+sah,bvh8+sah,kd+sah";
 
-    /// The leaky twin's name among those that ours are compared with.
-    pub const TWIN: &'static str = "leaky-twin";
+    /// The leaky twins' names among those that ours are compared with, and what leaks in them.
+    pub const TWINS: [(&'static str, Leak); 3] =
+        [("leaky-twin", Leak::Both), ("leaky-boxes", Leak::Boxes), ("leaky-triangles", Leak::Triangles)];
 
     /// Generated scenes that race beside those of files: 1.6, 1.9, 2.0 and 2.0 million triangles.
     pub const GENERATED: [&'static str; 4] = ["building", "city", "forest", "terrain-large"];

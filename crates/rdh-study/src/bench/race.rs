@@ -32,6 +32,13 @@ pub(crate) struct Race<'a, 's> {
     pub(crate) skipped: Vec<Skipped>,
 }
 
+/// A leaky twin and its original.
+struct Pair<'o> {
+    name: &'static str,
+    original: &'o Ours,
+    twin: Twin,
+}
+
 impl Race<'_, '_> {
     /// Races on the first view, all columns that aren't recorded yet; what goes wrong is in the document.
     pub(crate) fn run(&mut self, recorded: &[Record]) {
@@ -65,25 +72,30 @@ impl Race<'_, '_> {
             self.built(&track, &accel.stats().spec.to_string(), *build_secs, accel.stats().bytes as u64);
         }
         let rays = track.rays(&ours[0].accel, self.plan, columns, self.folder)?;
-        let twin = self.twin(&ours);
-        self.heats(&track, (&ours, twin.as_ref()), &rays);
+        let twins = self.twins(&ours);
+        self.heats(&track, (&ours, &twins), &rays);
         Ok(())
     }
 
-    /// The leaky twin, and whose it is, if it races.
-    fn twin<'o>(&mut self, ours: &'o [Ours]) -> Option<(&'o Ours, Twin)> {
-        let spec = self.plan.twin?;
-        let its = ours.iter().find(|its| its.accel.stats().spec == spec)?;
-        let twin = Twin::of(&its.accel);
-        if twin.is_none() {
-            let reason = "a twin needs a bvh8 of ordinary size, and AVX2".to_owned();
-            self.skip(Skipped { engine: BenchPlan::TWIN.to_owned(), reason });
+    /// The leaky twins that race, and whose they are.
+    fn twins<'o>(&mut self, ours: &'o [Ours]) -> Vec<Pair<'o>> {
+        let Some(spec) = self.plan.twin else { return Vec::new() };
+        let Some(original) = ours.iter().find(|ours| ours.accel.stats().spec == spec) else { return Vec::new() };
+        let mut pairs = Vec::new();
+        for (name, leak) in BenchPlan::TWINS {
+            match Twin::of(&original.accel, leak) {
+                Some(twin) => pairs.push(Pair { name, original, twin }),
+                None => {
+                    let reason = "a twin needs a bvh8 of ordinary size, and AVX2".to_owned();
+                    self.skip(Skipped { engine: name.to_owned(), reason });
+                }
+            }
         }
-        Some((its, twin?))
+        pairs
     }
 
     /// All columns for one group of engines after the other.
-    fn heats(&mut self, track: &Track, ours: (&[Ours], Option<&(&Ours, Twin)>), rays: &[Rays]) {
+    fn heats(&mut self, track: &Track, ours: (&[Ours], &[Pair<'_>]), rays: &[Rays]) {
         let field = self.field(track);
         let memory_bytes = self.plan.memory_bytes.unwrap_or_else(memory::usable_bytes);
         let mut groups = groups(&field, track.stage.mesh().len(), memory_bytes);
@@ -203,13 +215,13 @@ impl Race<'_, '_> {
 
 /// Ours, and what the processes of a group make of the competitors.
 fn lanes<'o>(
-    (ours, twin): (&'o [Ours], Option<&'o (&Ours, Twin)>),
+    (ours, twins): (&'o [Ours], &'o [Pair<'o>]),
     field: &[Registration],
     keys: Vec<Key>,
     processes: &[Process],
 ) -> Vec<Lane<'o>> {
     let mut lanes: Vec<_> = ours.iter().map(Lane::ours).collect();
-    lanes.extend(twin.map(|(its, twin)| Lane::twin(its, twin)));
+    lanes.extend(twins.iter().map(|pair| Lane::twin(pair.name, pair.original, &pair.twin)));
     for engine in field {
         for mode in &engine.modes {
             let same = |key: &Key| key.program == engine.program && key.mode == *mode;

@@ -31,7 +31,7 @@ pub struct BenchDocument {
 pub struct Settings {
     /// Our structures.
     pub specs: Vec<Spec>,
-    /// Of which of them the leaky twin races.
+    /// Of which of them leaky twins race.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twin: Option<Spec>,
     /// Competitors that were asked for.

@@ -131,10 +131,17 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         &self.nodes
     }
 
-    /// Its blocks.
+    /// Its leaves.
     #[cfg(feature = "twin")]
-    pub(crate) fn blocks(&self) -> &Array<L::Block> {
-        self.leaves.blocks()
+    pub(crate) fn leaves(&self) -> &L {
+        &self.leaves
+    }
+
+    /// A ray, made ready for its boxes.
+    #[cfg(feature = "twin")]
+    #[inline(always)]
+    pub(crate) fn box_ray<K: crate::simd::Kernels>(&self, ray: &Ray) -> Option<K::BoxRay> {
+        K::box_ray(ray, self.scale, self.magnitude)
     }
 
     /// How many nodes, leaves and references there are, and how deep they lie.

@@ -58,6 +58,13 @@ impl<const MASKS: bool> LeakyRay<MASKS> {
         unsafe { _mm256_cvtss_f32(self.end) }
     }
 
+    /// Ends it at a hit.
+    #[inline(always)]
+    pub(crate) fn end_at(&mut self, t: f32) {
+        // SAFETY: see above.
+        self.end = unsafe { _mm256_set1_ps(t) };
+    }
+
     /// Which boxes it meets.
     #[inline(always)]
     pub(crate) fn meet(&self, boxes: &Boxes<8>, t: &mut Entered<8>) -> u32 {
@@ -124,7 +131,7 @@ impl<const MASKS: bool> LeakyRay<MASKS> {
             }
             let tri = TriId(block.ids[best]);
             self.hit = Some(Hit { t: t[best], u: u[best], v: v[best], tri, geometry: GeomId(0), instance: InstId(0) });
-            self.end = _mm256_set1_ps(t[best]);
+            self.end_at(t[best]);
         }
         true
     }
