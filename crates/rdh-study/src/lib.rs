@@ -3,7 +3,9 @@
 //! ```text
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
+//!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
+//!  verify       brute force and a race by areas, for a finished tree
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
 //!  run          all cases of a plan, row by row
@@ -16,7 +18,7 @@
 pub mod bench;
 pub mod clock;
 pub mod error;
-pub mod files;
+pub mod identical;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
@@ -26,6 +28,7 @@ pub mod run;
 pub mod stats;
 pub mod study;
 pub mod summary;
+pub mod verify;
 
 pub use error::{Error, Result};
 pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};

@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
 use crate::probe::Counts;
-use crate::rays::Training;
+use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
 
@@ -36,6 +36,8 @@ pub struct Provenance {
     pub settings: Value,
     /// Why this structure and no other.
     pub evidence: Option<Value>,
+    /// Rays by which nothing was built or chosen: what it may be judged by, now and later.
+    pub unseen: Option<Profile>,
 }
 
 /// The closed set of structures: an enum costs nothing here.
@@ -65,7 +67,7 @@ macro_rules! each {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stats {
-    /// What was asked for, in full; what was really built never differs from it.
+    /// What was asked for, in full; what was really built never differs from it. For `auto` this is what it chose.
     pub spec: Spec,
     /// Triangles of the mesh.
     pub triangles: usize,
@@ -85,11 +87,13 @@ pub struct Stats {
     pub trained_on: usize,
 }
 
-/// Builds what `spec` names, from `rays` where its heuristic asks for them.
+/// Builds what `spec` names, from `rays` where its heuristic asks for them. It names one structure; `auto` is resolved by
+/// [`crate::build()`].
 ///
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
-pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check()?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -113,15 +117,16 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
+        StructureSpec::Auto => Err(nameless(spec)),
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
@@ -137,8 +142,13 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
 }
 
 /// Text can't name such a spec, but code can.
-fn unknown_form(spec: &Spec) -> Error {
+pub(crate) fn unknown_form(spec: &Spec) -> Error {
     Error::Spec { spec: spec.to_string(), reason: "shared triangles are for eight children a node".to_owned() }
+}
+
+/// For a spec that leaves the choice open.
+fn nameless(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
 }
 
 impl Accel {
@@ -187,6 +197,11 @@ impl Accel {
     /// [`Self::occluded`], and what it cost, added to `counts`.
     pub fn occluded_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
         each!(&self.structure, tree => tree.occluded(ray, counts))
+    }
+
+    /// [`Self::all_hits`], and what it cost, added to `counts`.
+    pub fn all_hits_counted(&self, ray: &Ray, hits: &mut Vec<Hit>, counts: &mut Counts) {
+        each!(&self.structure, tree => tree.all_hits(ray, counts, hits));
     }
 
     /// What was built.
@@ -264,6 +279,7 @@ impl Structure {
     /// The structure of this kind that saved arrays make, checked.
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
+            StructureSpec::Auto => return Err(nameless(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match (bvh.width, bvh.triangles) {
                 (Width::Two, Triangles::Copied) => Self::Bvh2(Bvh::from_parts(parts, mesh)?),

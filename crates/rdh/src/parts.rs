@@ -21,10 +21,13 @@ pub(crate) enum Part {
     Nodes = 5,
     /// Blocks of triangles.
     Blocks = 6,
+    /// A profile, as in a `.rays` file: bytes.
+    Unseen = 7,
 }
 
 impl Part {
-    const ALL: [Self; 6] = [Self::Positions, Self::Triangles, Self::Masks, Self::Root, Self::Nodes, Self::Blocks];
+    const ALL: [Self; 7] =
+        [Self::Positions, Self::Triangles, Self::Masks, Self::Root, Self::Nodes, Self::Blocks, Self::Unseen];
 
     /// The part with this number.
     pub(crate) fn numbered(number: u32) -> Option<Self> {
@@ -40,6 +43,7 @@ impl Part {
             Self::Root => "root",
             Self::Nodes => "nodes",
             Self::Blocks => "blocks of triangles",
+            Self::Unseen => "unseen rays",
         }
     }
 }

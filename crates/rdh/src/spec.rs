@@ -1,14 +1,15 @@
 //! Specs: what is to be built, as plain data with one text form everywhere, `STRUCTURE+HEURISTIC`.
 //!
 //! `kd+sah`, `kd(leaf=1,split=exact)+rdh(prior=32)`, `kd+rdh(paper)`: defaults are omitted, either part may come
-//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones.
+//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones. `auto` stands alone:
+//! what suits the rays, chosen by [`tune`](crate::tune()).
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Splitter, Triangles, Width};
+use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -29,6 +30,8 @@ pub enum StructureSpec {
     Kd(KdSpec),
     /// A bounding volume hierarchy.
     Bvh(BvhSpec),
+    /// Whichever suits the rays. Only [`Spec::AUTO`] has it; a finished structure is never of this kind.
+    Auto,
 }
 
 impl Default for StructureSpec {
@@ -38,9 +41,25 @@ impl Default for StructureSpec {
 }
 
 impl Spec {
-    /// Whether the heuristic needs a profile.
+    /// `auto`: structure and heuristic are chosen by the rays.
+    pub const AUTO: Self = Self { structure: StructureSpec::Auto, heuristic: HeuristicSpec::Sah };
+
+    /// Whether the heuristic, or the choice, needs a profile.
     pub fn needs_rays(&self) -> bool {
-        matches!(self.heuristic, HeuristicSpec::Rdh(_))
+        self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
+    }
+
+    /// Refuses parts that don't go together.
+    pub(crate) fn check(&self) -> Result<()> {
+        match self.structure {
+            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, splitter: Splitter::Objects, .. })
+                if self.needs_rays() =>
+            {
+                let reason = "split=sweep compares areas: rdh counts rays between bins".to_owned();
+                Err(Error::Spec { spec: self.to_string(), reason })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Parses a list of specs. Commas inside brackets don't separate.
@@ -57,6 +76,9 @@ impl FromStr for Spec {
 
     fn from_str(text: &str) -> Result<Self> {
         let fail = |reason: String| Error::Spec { spec: text.to_owned(), reason };
+        if text.trim() == "auto" {
+            return Ok(Self::AUTO);
+        }
         let (mut structure, mut heuristic) = (None, None);
         for part in split_outside_brackets(text, '+') {
             let part = Part::parse(part).map_err(fail)?;
@@ -67,11 +89,13 @@ impl FromStr for Spec {
                 }
                 "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
                 "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
-                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh")),
+                "auto" => Err("auto chooses structure and heuristic: it stands alone, without parameters".to_owned()),
+                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh; or auto")),
             }
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
+        spec.check()?;
         Ok(spec)
     }
 }
@@ -79,6 +103,7 @@ impl FromStr for Spec {
 impl fmt::Display for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.structure {
+            StructureSpec::Auto => return f.write_str("auto"),
             StructureSpec::Kd(kd) => write!(f, "kd{}+", brackets(&kd_parameters(kd)))?,
             StructureSpec::Bvh(bvh) => write!(f, "{}{}+", bvh_name(bvh), brackets(&bvh_parameters(bvh)))?,
         }
@@ -163,6 +188,10 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
             ("quick" | "high", "") if bvh.effort != Effort::Default => return Err("quick or high: give one".to_owned()),
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
+            ("split", _) => {
+                bvh.split =
+                    choice(key, value, &[("binned", bvh::SplitSearch::Binned), ("sweep", bvh::SplitSearch::Sweep)])?;
+            }
             ("from", _) if splitter == Splitter::Spatial => {
                 return Err(format!(
                     "from belongs to {}: spatial splits are another way to cut triangles",
@@ -172,7 +201,7 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
             ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
             ("compact", "") if width == Width::Eight => bvh.triangles = Triangles::Shared,
             ("compact", "") => return Err(format!("compact is for bvh8 and sbvh8, not for {}", part.name)),
-            _ => return Err(unknown(part.name, key, "quick, high, from=kd, compact")),
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep, from=kd, compact")),
         }
     }
     Ok(bvh)
@@ -195,9 +224,10 @@ fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
         Effort::Default => None,
         Effort::High => Some("high"),
     };
+    let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
     let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
     let compact = (bvh.triangles == Triangles::Shared).then_some("compact");
-    effort.into_iter().chain(from).chain(compact).map(str::to_owned).collect()
+    effort.into_iter().chain(split).chain(from).chain(compact).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -343,6 +373,9 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
+            ("bvh8(split=binned)", "bvh8+sah"),
+            (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
             ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
@@ -367,6 +400,8 @@ mod tests {
             "bvh4(compact)",
             "sbvh8(from=kd)",
             "bvh8(quick,high)",
+            "bvh8(split=exact)",
+            "bvh8(split=sweep)+rdh",
             "kd(leaf=3)",
             "kd(leaves=8)",
             "kd(idle=-1)",
@@ -376,6 +411,8 @@ mod tests {
             "kd+kd",
             "kd(leaf=8",
             "kd+sah+rdh",
+            "auto+sah",
+            "auto(x=1)",
         ] {
             assert!(text.parse::<Spec>().is_err(), "{text}");
         }

@@ -8,7 +8,7 @@ use common::meshes::{Random, closed, nasty, soup};
 use common::rays::mixed;
 use common::{SPECS, build_spec};
 use rdh::simd::Level;
-use rdh::{Accel, Error, Hit, Mesh, Provenance, Ray};
+use rdh::{Accel, Error, Hit, Mesh, Profile, Provenance, Query, Ray, RayClass, RaySample};
 use serde_json::json;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -37,6 +37,11 @@ impl AsRef<[u8]> for Lent {
 
 fn bits(hit: Option<Hit>) -> Option<(u32, u32, u32, u32)> {
     hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.tri.0))
+}
+
+fn profile(rays: &[Ray]) -> Profile {
+    let sample = |ray: &Ray| RaySample::new(*ray, None, Query::Occluded, RayClass::Ao);
+    Profile::from_samples(rays.iter().map(sample).collect(), 7)
 }
 
 fn masked(mesh: Mesh) -> Mesh {
@@ -70,7 +75,9 @@ fn every_structure_is_read_as_it_was_written() {
             let what = format!("{name}, {spec}");
             let settings = json!({ "scene": name, "view": [1, 2.5, null] });
             let evidence = Some(json!([{ "ratio": 0.8 }]));
-            let accel = build_spec(&mesh, spec).with_provenance(Provenance { seed: Some(7), settings, evidence });
+            let unseen = (i % 3 == 0).then(|| profile(&rays));
+            let provenance = Provenance { seed: Some(7), settings, evidence, unseen };
+            let accel = build_spec(&mesh, spec).with_provenance(provenance);
             let bytes = accel.to_bytes().unwrap();
             let mut written = Vec::new();
             accel.write_to(&mut written).unwrap();
@@ -82,6 +89,8 @@ fn every_structure_is_read_as_it_was_written() {
             let copied = Accel::from_bytes(&bytes).unwrap();
             assert_same(&accel, &copied, &rays, &what);
             assert_eq!(copied.to_bytes().unwrap(), bytes, "{what}");
+            let (of_tree, provenance) = rdh::saved::read_mesh(&bytes).unwrap();
+            assert_eq!((&of_tree, &provenance), (&mesh, copied.provenance()));
         }
     }
 }
@@ -110,7 +119,8 @@ fn shared_bytes_are_not_copied_and_live_as_long_as_the_tree() {
 /// A small saved tree with everything in it.
 fn sample(spec: &str, seed: u64) -> Vec<u8> {
     let mesh = masked(soup(40, 0.5, seed));
-    let provenance = Provenance { seed: Some(seed), settings: json!({ "a": 1 }), evidence: None };
+    let unseen = Some(profile(&mixed(&mesh, 9, seed)));
+    let provenance = Provenance { seed: Some(seed), settings: json!({ "a": 1 }), evidence: None, unseen };
     build_spec(&mesh, spec).with_provenance(provenance).to_bytes().unwrap()
 }
 
@@ -168,7 +178,7 @@ fn sign(bytes: &mut [u8], random: &mut Random) {
     let word = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
     if random.below(8) > 0 {
         let (mut hashed, mut counts) = (Vec::new(), [0u64; 2]);
-        for row in (64..).step_by(32).take(word(bytes, 48).min(6) as usize).take_while(|row| row + 32 <= bytes.len()) {
+        for row in (64..).step_by(32).take(word(bytes, 48).min(7) as usize).take_while(|row| row + 32 <= bytes.len()) {
             let (number, stride) = (word(bytes, row) as u32, word(bytes, row) >> 32);
             let (start, count) = (word(bytes, row + 8), word(bytes, row + 16));
             let range = start as usize..start.saturating_add(count.saturating_mul(stride)) as usize;
@@ -242,7 +252,7 @@ fn signed_mutants(count: usize) -> usize {
         accepted += 1;
         accel.check(accel.mesh());
         accel.cells(&mut |_, _, _| {});
-        assert_eq!(accel.to_bytes().unwrap()[24..], bytes[24..]);
+        Accel::from_bytes(&accel.to_bytes().unwrap()).unwrap();
         for level in Level::available() {
             let (accel, mut hits) = (accel.clone().with_level(level), Vec::new());
             for ray in &rays {

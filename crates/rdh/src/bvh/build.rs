@@ -1,11 +1,14 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
-use super::binary::{self, BinaryNode, ByArea, Grown};
+use rayon::prelude::*;
+
+use super::binary::{self, BinaryNode, ByArea};
 use super::cells::{self, Cells};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
+use super::grown::Grown;
 use super::guided::ByRays;
-use super::layout::{self, Arrays};
+use super::layout::{Arrays, Draft};
 use super::leaves::Leaves;
 use super::link::Link;
 use super::split::Search;
@@ -13,13 +16,13 @@ use super::visits::Visits;
 use super::{Bvh, BvhSpec, Effort, Splitter, reinsert, spatial};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Scale};
+use crate::geom::{Aabb, Scale, TriId};
 use crate::heuristic::{Heuristic, Rdh, Sah};
 use crate::kd::{KdSpec, Prune};
-use crate::mem::reserve;
+use crate::mem::{reserve, zeroed};
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::{LANES, Lanes, Level};
+use crate::simd::{LANES, Lanes};
 
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<const W: usize, L: Leaves> Bvh<W, L> {
@@ -35,7 +38,8 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         let scale = Scale::of(&in_mesh);
         let build = Build { mesh, spec, guide, options, scale, bounds: scale.scaled(&in_mesh), watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let tree = Self { tally, ..Self::of_arrays(mesh, nodes.into(), blocks.into()) };
+        let arrays = Self::of_arrays(mesh, nodes.into(), blocks.into());
+        let tree = Self { tally, level: options.level(), ..arrays };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -62,6 +66,9 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// hierarchy, but a larger one (docs/measurements.md).
 const ONE_SPARE_IN: usize = 2;
 
+/// Triangles whose boxes one thread makes.
+const CHUNK: usize = 1 << 15;
+
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
@@ -76,7 +83,7 @@ struct Build<'a> {
 impl Build<'_> {
     /// The binary tree, improved as the effort says.
     fn grow(&self) -> Result<Grown> {
-        if self.mesh.solid().next().is_none() {
+        if self.mesh.is_empty() {
             return Ok(Grown::default());
         }
         let grown = match self.spec.splitter {
@@ -131,12 +138,18 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        let mut primitives = Vec::new();
-        reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend(self.mesh.solid().map(|tri| {
-            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), tri.0, 0)
-        }));
+        let mut primitives: Vec<Extent> = zeroed(self.mesh.len(), "references")?;
+        let fill = |(chunk, primitives): (usize, &mut [Extent])| {
+            for (primitive, id) in primitives.iter_mut().zip((chunk * CHUNK) as u32..) {
+                let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
+                *primitive = Extent::new(&Aabb::around(&corners), id, 0);
+            }
+        };
+        if self.is_parallel() {
+            primitives.par_chunks_mut(CHUNK).enumerate().for_each(fill);
+        } else {
+            primitives.chunks_mut(CHUNK).enumerate().for_each(fill);
+        }
         Ok(primitives)
     }
 
@@ -147,7 +160,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: Level::best(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
     }
 
     fn cuts_triangles(&self) -> bool {
@@ -164,7 +177,8 @@ impl Build<'_> {
         let weights = self.weights(&nodes)?;
         self.watch.check_cancelled()?;
         let repeated = self.cuts_triangles().then_some(&ids[..]);
-        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, |i| weights.chances[i], self.watch)?;
+        let chance = |i: usize| weights.chances[i];
+        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, chance, self.is_parallel(), self.watch)?;
         // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
         // cost; but where triangles were cut, a large child that holds little is soon done with.
         let order = |i: usize| match self.guide {
@@ -172,14 +186,9 @@ impl Build<'_> {
             None if self.cuts_triangles() => weights.stops[i] / cuts.count(i) as f32,
             None => weights.stops[i],
         };
-        layout::lay_out(
-            &nodes,
-            &ids,
-            &cuts,
-            order,
-            |block: &mut B, lane, id| block.put(lane, id, self.mesh),
-            self.watch,
-        )
+        let put = |block: &mut B, lane, id| block.put(lane, id, self.mesh);
+        let (parallel, watch) = (self.is_parallel(), self.watch);
+        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, put, parallel, watch }.lay_out()
     }
 
     fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {

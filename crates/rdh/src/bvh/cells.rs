@@ -4,8 +4,9 @@
 //! A kd-tree may cut where an object split may not, and so separates what overlaps; boxes fit tighter than cells and hold no empty
 //! space. Where a cut saves little, both parts go back to one side; what a cell has too much of, objects are split for.
 
-use super::binary::{BinaryNode, DEEPEST, Grown, grow_below, halvings};
+use super::binary::{BinaryNode, DEEPEST, grow_below, halvings};
 use super::extent::Extent;
+use super::grown::{Grown, Parts};
 use super::split::{Search, tests};
 use crate::clip::TriangleClipper;
 use crate::error::Result;
@@ -47,7 +48,11 @@ pub(crate) fn grow(cells: &Cells<'_>, search: Search, options: &BuildOptions<'_>
     let watch = Watch::new(&silent, most);
     let counts = counts(&branches)?;
     let converter = Converter { branches: &branches, counts, search, watch: &watch };
-    converter.convert(branches.nodes.len() - 1, 0)
+    let root = branches.nodes.len() - 1;
+    if converter.counts[root] == 0 {
+        return Ok(Grown::default());
+    }
+    converter.convert(root, 0)?.1.join(search.parallel)
 }
 
 /// How many references lie below each node: children come before their parents.
@@ -71,22 +76,21 @@ struct Converter<'a> {
 }
 
 impl Converter<'_> {
-    /// Large subtrees: both sides on their own, then joined.
-    fn convert(&self, branch: usize, depth: u32) -> Result<Grown> {
+    /// Large subtrees: both sides on their own, then joined. Returns the subtree's box, too.
+    fn convert(&self, branch: usize, depth: u32) -> Result<(Extent, Parts)> {
         match self.sides(branch) {
             Some([l, r]) if self.counts[branch] as usize > OWN_ABOVE => {
                 self.watch.check_cancelled()?;
                 let (left, right) = (|| self.convert(l, depth + 1), || self.convert(r, depth + 1));
-                let (left, right) = if self.search.parallel { rayon::join(left, right) } else { (left(), right()) };
-                let (left, right) = (left?, right?);
-                let mut extent = left.nodes[0].0;
-                extent.grow::<Portable>(&right.nodes[0].0);
-                Grown::join(extent, left, right)
+                let (left, right) = self.search.both(left, right);
+                let ((mut extent, left), (high, right)) = (left?, right?);
+                extent.grow::<Portable>(&high);
+                Ok((extent, Parts::over(extent, left, right)?))
             }
             _ => {
                 let mut grown = Grown::default();
-                self.convert_in(&mut grown, branch, depth)?;
-                Ok(grown)
+                let extent = self.convert_in(&mut grown, branch, depth)?;
+                Ok((extent, grown.into()))
             }
         }
     }

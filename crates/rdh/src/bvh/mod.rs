@@ -1,7 +1,8 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
-//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it; `visits` says how often rays come to each node,
+//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`, `sweep`) or by sampled rays
+//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it; `visits` says how
+//! often rays come to each node,
 //! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
 
@@ -12,6 +13,7 @@ mod check;
 mod chop;
 mod collapse;
 mod extent;
+mod grown;
 mod guided;
 mod layout;
 mod leaves;
@@ -20,13 +22,14 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod sweep;
 pub(crate) mod trace;
 mod visits;
 
 pub use layout::Tally;
 pub(crate) use leaves::Leaves;
 pub use leaves::{Copies, Shared};
-pub use spec::{BvhSpec, Effort, Splitter, Triangles, Width};
+pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, Width};
 
 use link::Link;
 

@@ -6,9 +6,10 @@
 //!
 //! A reference is a box that holds the part of a primitive in it; the parts of a primitive together are all of it.
 
-use super::binary::{BinaryNode, DEEPEST, Grown, halvings};
+use super::binary::{BinaryNode, DEEPEST, halvings};
 use super::chop::{Chop, SpatialSplit};
 use super::extent::Extent;
+use super::grown::{Grown, Parts};
 use super::split::{Centres, Search, Split};
 use crate::clip::Clipper;
 use crate::error::Result;
@@ -30,7 +31,7 @@ pub(crate) fn grow(
 ) -> Result<Grown> {
     let (extent, centres) = search.measure(&references);
     let grower = Grower { clipper, search, watch, least_overlap: extent.half_area() * LEAST_OVERLAP };
-    grower.grow(references, Todo { extent, centres, depth: 0, spare })
+    grower.grow(references, Todo { extent, centres, depth: 0, spare })?.join(search.parallel)
 }
 
 struct Grower<'a, C> {
@@ -53,18 +54,18 @@ type Side = (Vec<Extent>, Todo);
 
 impl<C: Clipper> Grower<'_, C> {
     /// Large subtrees: both sides on their own, then joined.
-    fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Grown> {
+    fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Parts> {
         if references.len() <= OWN_ABOVE {
             let mut grown = Grown::default();
             self.grow_in(&mut grown, references, todo)?;
-            return Ok(grown);
+            return Ok(grown.into());
         }
         self.watch.check_cancelled()?;
         let extent = todo.extent;
         let [(low, todo_low), (high, todo_high)] = self.part(references, todo)?;
         let (left, right) = (|| self.grow(low, todo_low), || self.grow(high, todo_high));
-        let (left, right) = if self.search.parallel { rayon::join(left, right) } else { (left(), right()) };
-        Grown::join(extent, left?, right?)
+        let (left, right) = self.search.both(left, right);
+        Parts::over(extent, left?, right?)
     }
 
     /// Small subtrees: one thread, one list.

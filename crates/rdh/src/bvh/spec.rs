@@ -9,6 +9,8 @@ pub struct BvhSpec {
     pub width: Width,
     /// How much work goes into the build.
     pub effort: Effort,
+    /// Where primitives may be parted.
+    pub split: SplitSearch,
     /// What parts the primitives.
     pub splitter: Splitter,
     /// What leaves hold of triangles.
@@ -70,4 +72,14 @@ impl Width {
             Self::Eight => 8,
         }
     }
+}
+
+/// Where the primitives of a node may be parted, along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SplitSearch {
+    /// Between bins of their centres: O(N log N), and nearly as good. Recommended.
+    #[default]
+    Binned,
+    /// Between any two of them: O(N log² N). For `sah` alone.
+    Sweep,
 }

@@ -17,12 +17,13 @@ use super::reference::Reference;
 use super::spec::{KdSpec, Prune};
 use super::split::{Search, Split};
 use super::stop::{Failures, StopRule};
-use crate::clip::Clipper;
+use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
 use crate::mem::reserve;
 use crate::options::{BuildOptions, Watch};
+use crate::simd::Level;
 
 /// Everything that stays the same for all nodes.
 pub(crate) struct Builder<'a> {
@@ -33,6 +34,7 @@ pub(crate) struct Builder<'a> {
     stop: StopRule,
     watch: Watch<'a>,
     parallel: bool,
+    level: Level,
 }
 
 /// A node to be built.
@@ -77,6 +79,7 @@ impl<'a> Builder<'a> {
             stop: StopRule::new(&spec, n, options.max_depth),
             watch: Watch::new(options, n),
             parallel: options.threads != Some(1),
+            level: options.level(),
         }
     }
 
@@ -84,7 +87,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn build<K: Kept>(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches<K>> {
         let rays = self.heuristic.root(&cell);
         let todo = Todo {
-            tight: bounds_of(&refs),
+            tight: refs.iter().fold(Slice::EMPTY, |tight, r| tight.union(r.slice())).bounds(),
             cell,
             rays,
             chance: 1.0,
@@ -97,7 +100,7 @@ impl<'a> Builder<'a> {
 
     /// Large subtrees: both sides in parallel.
     fn grow<K: Kept>(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches<K>, Grown)> {
-        let mut search = Search::new(self.heuristic, self.costs, self.spec.split);
+        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
@@ -109,8 +112,8 @@ impl<'a> Builder<'a> {
             let leaf = self.leaf(&mut branches, &refs)?;
             return Ok((branches, leaf));
         };
-        let (left, right) = self.partition(&refs, &split)?;
-        let [todo_left, todo_right] = self.children(&todo, &split, failures, (&left, &right));
+        let (left, right, sides) = self.partition(&refs, &split)?;
+        let [todo_left, todo_right] = self.children(&todo, &split, failures, sides);
         drop(refs);
         let (l, r) = rayon::join(|| self.grow(left, todo_left), || self.grow(right, todo_right));
         let ((mut branches, l), (other, r)): ((Branches<K>, _), (Branches<K>, _)) = (l?, r?);
@@ -136,12 +139,12 @@ impl<'a> Builder<'a> {
         let Some((split, failures)) = self.choose(search, &stack[start..], &todo) else {
             return self.leaf(branches, &stack[start..]);
         };
-        let parts = self.partition_in(stack, start, &split)?;
-        let sides = (&stack[start..start + parts.left], &stack[parts.right_start..]);
+        let right_start = stack.len();
+        let sides = self.partition_in(stack, start, &split)?;
         let [left, right] = self.children(&todo, &split, failures, sides);
         let mark = branches.mark();
-        let r = self.grow_in(search, branches, stack, parts.right_start, right)?;
-        stack.truncate(start + parts.left);
+        let r = self.grow_in(search, branches, stack, right_start, right)?;
+        stack.truncate(start + sides[0].n);
         let l = self.grow_in(search, branches, stack, start, left)?;
         stack.truncate(start);
         let grown = self.join(branches, &todo.cell, &split, [l, r])?;
@@ -168,21 +171,15 @@ impl<'a> Builder<'a> {
     }
 
     /// What the two sides of a split are to become.
-    fn children(
-        &self,
-        todo: &Todo,
-        split: &Split,
-        failures: Failures,
-        (left, right): (&[Reference], &[Reference]),
-    ) -> [Todo; 2] {
+    fn children(&self, todo: &Todo, split: &Split, failures: Failures, [left, right]: [Side; 2]) -> [Todo; 2] {
         let (cell_left, cell_right) = todo.cell.split(split.axis, split.plane);
         // `choose` has made sure that both sides fit.
-        let spare = todo.budget.saturating_sub(left.len() + right.len());
+        let spare = todo.budget.saturating_sub(left.n + right.n);
         // What is left of the budget goes where the references are; in integers, so that it never depends on threads.
-        let spare_left = (spare as u128 * left.len() as u128 / (left.len() + right.len()).max(1) as u128) as usize;
-        let child = |refs: &[Reference], cell: Aabb, chance: f32, budget: usize| Todo {
+        let spare_left = (spare as u128 * left.n as u128 / (left.n + right.n).max(1) as u128) as usize;
+        let child = |side: Side, cell: Aabb, chance: f32, budget: usize| Todo {
             rays: self.heuristic.descend(&todo.rays, &cell),
-            tight: bounds_of(refs),
+            tight: side.tight,
             cell,
             chance: todo.chance * chance,
             depth: todo.depth + 1,
@@ -190,10 +187,7 @@ impl<'a> Builder<'a> {
             budget,
         };
         let SplitProbability { left: p, right: q } = split.chance;
-        [
-            child(left, cell_left, p, left.len() + spare_left),
-            child(right, cell_right, q, right.len() + spare - spare_left),
-        ]
+        [child(left, cell_left, p, left.n + spare_left), child(right, cell_right, q, right.n + spare - spare_left)]
     }
 
     fn leaf<K: Kept>(&self, branches: &mut Branches<K>, refs: &[Reference]) -> Result<Grown> {
@@ -218,46 +212,85 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Where the two sides of a partition lie on the stack.
-struct Parts {
-    /// The left side's length; it lies where the node's references were.
-    left: usize,
-    /// Where the right side starts; it ends at the top.
-    right_start: usize,
+/// One side of a partition.
+#[derive(Clone, Copy)]
+struct Side {
+    /// How many references.
+    n: usize,
+    /// Their box.
+    tight: Aabb,
+}
+
+/// A side while references come to it.
+struct Gathering {
+    n: usize,
+    tight: Slice,
+}
+
+impl Gathering {
+    const fn new() -> Self {
+        Self { n: 0, tight: Slice::EMPTY }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, r: &Reference) {
+        self.n += 1;
+        self.tight = self.tight.union(r.slice());
+    }
+
+    fn side(&self) -> Side {
+        Side { n: self.n, tight: self.tight.bounds() }
+    }
 }
 
 impl Builder<'_> {
     /// Cuts references in place: the left side stays, the right one goes to the end of the stack. No allocation a node.
-    fn partition_in(&self, stack: &mut Vec<Reference>, start: usize, split: &Split) -> Result<Parts> {
-        let right_start = stack.len();
-        reserve(stack, right_start - start, "references")?;
-        let mut kept = start;
-        for i in start..right_start {
-            let (left, right) = self.cut(stack[i], split);
+    fn partition_in(&self, stack: &mut Vec<Reference>, start: usize, split: &Split) -> Result<[Side; 2]> {
+        let end = stack.len();
+        reserve(stack, end - start, "references")?;
+        let (mut low, mut high) = (Gathering::new(), Gathering::new());
+        for i in start..end {
+            let r = stack[i];
+            let (left, right) = match r.sides(split.axis, split.plane, split.flat_left) {
+                (true, false) => {
+                    stack[start + low.n] = r;
+                    low.add(&r);
+                    continue;
+                }
+                (false, _) => {
+                    stack.push(r);
+                    high.add(&r);
+                    continue;
+                }
+                (true, true) => self.cut_straddler(r, split),
+            };
             if let Some(left) = left {
-                stack[kept] = left;
-                kept += 1;
+                stack[start + low.n] = left;
+                low.add(&left);
             }
             if let Some(right) = right {
                 stack.push(right);
+                high.add(&right);
             }
         }
-        Ok(Parts { left: kept - start, right_start })
+        Ok([low.side(), high.side()])
     }
 
     /// Cuts references into two new lists.
-    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>)> {
+    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>, [Side; 2])> {
         let (mut left, mut right) = (Vec::new(), Vec::new());
+        let (mut low, mut high) = (Gathering::new(), Gathering::new());
         for r in refs {
             let (l, r) = self.cut(*r, split);
-            for (side, part) in [(&mut left, l), (&mut right, r)] {
+            for (list, side, part) in [(&mut left, &mut low, l), (&mut right, &mut high, r)] {
                 if let Some(part) = part {
-                    reserve(side, 1, "references")?;
-                    side.push(part);
+                    reserve(list, 1, "references")?;
+                    list.push(part);
+                    side.add(&part);
                 }
             }
         }
-        Ok((left, right))
+        Ok((left, right, [low.side(), high.side()]))
     }
 
     /// The parts of a reference on both sides of a split; one of them at least.
@@ -282,17 +315,6 @@ impl Builder<'_> {
             parts => parts,
         }
     }
-}
-
-fn bounds_of(refs: &[Reference]) -> Aabb {
-    let mut tight = Aabb::EMPTY;
-    for r in refs {
-        for a in 0..3 {
-            tight.min[a] = if r.min[a] < tight.min[a] { r.min[a] } else { tight.min[a] };
-            tight.max[a] = if r.max[a] > tight.max[a] { r.max[a] } else { tight.max[a] };
-        }
-    }
-    tight
 }
 
 /// How many references both sides of a split have together, before clipping drops any.

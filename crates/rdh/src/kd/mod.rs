@@ -3,11 +3,13 @@
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
+mod bins;
 pub(crate) mod branch;
 mod build;
 mod check;
 mod cost;
 mod events;
+mod few;
 mod layout;
 mod node;
 mod radix;
@@ -73,7 +75,12 @@ impl KdTree {
         let root = branches.nodes.len() as u32 - 1;
         let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
         let Arrays { root, lines, blocks, tally } = arrays;
-        let tree = Self { root, tally, ..Self::of_arrays(&in_mesh, lines.into(), blocks.into(), mesh.mask_array()) };
+        let tree = Self {
+            root,
+            tally,
+            level: options.level(),
+            ..Self::of_arrays(&in_mesh, lines.into(), blocks.into(), mesh.mask_array())
+        };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::fail;
 use crate::accel::{Accel, Provenance, Stats};
 use crate::error::{Error, Result};
+use crate::rays::Profile;
 
 /// What a file says about its tree.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -21,13 +22,13 @@ pub(super) struct Description {
 
 impl Description {
     pub(super) fn of(accel: &Accel) -> Self {
-        let Provenance { seed, settings, evidence } = accel.provenance().clone();
+        let Provenance { seed, settings, evidence, unseen: _ } = accel.provenance();
         let program = concat!("rdh ", env!("CARGO_PKG_VERSION")).to_owned();
-        Self { program, stats: *accel.stats(), seed, settings, evidence }
+        Self { program, stats: *accel.stats(), seed: *seed, settings: settings.clone(), evidence: evidence.clone() }
     }
 
-    pub(super) fn provenance(self) -> Provenance {
-        Provenance { seed: self.seed, settings: self.settings, evidence: self.evidence }
+    pub(super) fn provenance(self, unseen: Option<Profile>) -> Provenance {
+        Provenance { seed: self.seed, settings: self.settings, evidence: self.evidence, unseen }
     }
 
     /// As text, which has been read back: what can be written can be read.

@@ -26,6 +26,8 @@ mod header;
 mod read;
 mod write;
 
+pub use read::read_mesh;
+
 use description::Description;
 
 use crate::accel::Accel;
@@ -52,6 +54,8 @@ const NOT_HERE: &str = "saved trees are for little-endian machines";
 /// Which arrays a structure is made of, as a number.
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
+        // Nothing that is built, and no file.
+        StructureSpec::Auto => 0,
         StructureSpec::Kd(_) => 1,
         StructureSpec::Bvh(bvh) => match bvh.triangles {
             Triangles::Copied => bvh.width.children(),
@@ -60,13 +64,14 @@ fn layout(spec: &Spec) -> u32 {
     }
 }
 
-/// All parts of a structure and its mesh, in the order of their numbers.
-fn parts(accel: &Accel) -> Vec<Written<'_>> {
+/// All parts of a structure, its mesh and its unseen rays, in the order of their numbers.
+fn parts<'a>(accel: &'a Accel, unseen: Option<&'a [u8]>) -> Vec<Written<'a>> {
     let mesh = accel.mesh();
     let mut parts =
         vec![Written::new(Part::Positions, mesh.positions()), Written::new(Part::Triangles, mesh.triangles())];
     parts.extend(mesh.masks().map(|masks| Written::new(Part::Masks, masks)));
     parts.extend(accel.structure().parts());
+    parts.extend(unseen.map(|rays| Written::new(Part::Unseen, rays)));
     parts
 }
 

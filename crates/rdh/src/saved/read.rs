@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::header::Header;
-use super::{Description, LITTLE_ENDIAN, NOT_HERE, fail, layout, parts};
-use crate::accel::{Accel, Stats, Structure};
-use crate::error::Result;
+use super::{Description, HEADER, LITTLE_ENDIAN, NOT_HERE, fail, layout};
+use crate::accel::{Accel, Provenance, Structure};
+use crate::error::{Error, Result};
 use crate::mem::{Bytes, Lent};
 use crate::mesh::Mesh;
-use crate::parts::{Part, Parts};
+use crate::parts::{Part, Parts, Place};
+use crate::rays::Profile;
 
 impl Accel {
     /// The structure that a `.rdh` file ([`saved`](crate::saved)) holds, copied out of it. All is checked before it is used; memory is only
@@ -33,30 +34,54 @@ impl Accel {
     }
 }
 
-fn read(bytes: Bytes<'_>) -> Result<Accel> {
+/// The mesh of a saved tree and how the tree came about; its nodes and blocks are left alone.
+///
+/// # Errors
+/// As [`Accel::from_bytes`].
+pub fn read_mesh(data: &[u8]) -> Result<(Mesh, Provenance)> {
+    let Opened { parts, description, mesh } = open(Bytes::Borrowed(data))?;
+    Ok((mesh, description.provenance(unseen(&parts)?)))
+}
+
+/// A file whose header, description and mesh are sound.
+struct Opened<'a> {
+    parts: Parts<'a>,
+    description: Description,
+    mesh: Mesh,
+}
+
+fn open(bytes: Bytes<'_>) -> Result<Opened<'_>> {
     if !LITTLE_ENDIAN {
         return fail(0, NOT_HERE);
     }
     let header = Header::read(bytes.all())?;
     let description = Description::from_json(&bytes.all()[header.description.clone()], header.description.start)?;
-    let described: Stats = description.stats;
-    if layout(&described.spec) != header.layout {
-        return fail(12, format!("layout {} is not that of {}", header.layout, described.spec));
+    let spec = &description.stats.spec;
+    if layout(spec) != header.layout {
+        return fail(12, format!("layout {} is not that of {spec}", header.layout));
     }
-    let listed = Parts { bytes, listed: header.parts };
-    let mesh = mesh(&listed)?;
+    let parts = Parts { bytes, listed: header.parts };
+    let mesh = mesh(&parts)?;
     if mesh.checksum() != header.mesh {
         return fail(32, "the mesh has another checksum");
     }
-    let structure = Structure::from_parts(&described.spec, &listed, &mesh)?;
+    Ok(Opened { parts, description, mesh })
+}
+
+fn read(bytes: Bytes<'_>) -> Result<Accel> {
+    let Opened { parts, description, mesh } = open(bytes)?;
+    let described = description.stats;
+    let structure = Structure::from_parts(&described.spec, &parts, &mesh)?;
     let accel = Accel::of(structure, mesh, described.spec, described.trained_on);
     if *accel.stats() != described {
-        return fail(header.description.start, "the description is not that of the tree");
+        return fail(HEADER, "the description is not that of the tree");
     }
-    if !parts(&accel).iter().map(|w| w.part).eq(listed.listed.iter().map(|l| l.part)) {
-        return fail(super::HEADER, "there are parts that do not belong to such a tree");
+    let unseen = unseen(&parts)?;
+    let expected = super::parts(&accel, unseen.as_ref().map(|_| &[][..]));
+    if !expected.iter().map(|written| written.part).eq(parts.listed.iter().map(|listed| listed.part)) {
+        return fail(HEADER, "there are parts that do not belong to such a tree");
     }
-    Ok(accel.with_provenance(description.provenance()))
+    Ok(accel.with_provenance(description.provenance(unseen)))
 }
 
 fn mesh(parts: &Parts<'_>) -> Result<Mesh> {
@@ -64,5 +89,16 @@ fn mesh(parts: &Parts<'_>) -> Result<Mesh> {
     match parts.find(Part::Masks)? {
         Some(masks) => mesh.with_mask_array(masks),
         None => Ok(mesh),
+    }
+}
+
+fn unseen(parts: &Parts<'_>) -> Result<Option<Profile>> {
+    let Some(bytes) = parts.find::<u8>(Part::Unseen)? else { return Ok(None) };
+    match Profile::from_bytes(&bytes) {
+        Ok(profile) => Ok(Some(profile)),
+        Err(Error::Format { offset, reason }) => {
+            Err(parts.error(Place { part: Part::Unseen, byte: offset }, format!("unseen rays: {reason}")))
+        }
+        Err(other) => Err(other),
     }
 }

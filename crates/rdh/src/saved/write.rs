@@ -9,6 +9,7 @@ use super::{ALIGN, Description, LITTLE_ENDIAN, MAGIC, NOT_HERE, VERSION, fail, l
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::parts::Written;
+use crate::rays::Profile;
 
 impl Accel {
     /// The structure as the content of a `.rdh` file ([`saved`](crate::saved)): with its mesh and its provenance.
@@ -16,7 +17,8 @@ impl Accel {
     /// # Errors
     /// [`Error::Format`] on a big-endian machine, or if the provenance is nested too deeply to be read again; lack of memory.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        let content = Content::of(self)?;
+        let unseen = unseen(self);
+        let content = Content::of(self, unseen.as_deref())?;
         let bytes = content.header.length();
         let mut out = Vec::new();
         out.try_reserve_exact(bytes).map_err(|_| Error::OutOfMemory { what: "a saved tree", bytes })?;
@@ -29,7 +31,9 @@ impl Accel {
     /// # Errors
     /// What `out` says; [`io::ErrorKind::InvalidData`] where `to_bytes` is an error.
     pub fn write_to(&self, out: &mut impl io::Write) -> io::Result<()> {
-        let content = Content::of(self).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?;
+        let unseen = unseen(self);
+        let content =
+            Content::of(self, unseen.as_deref()).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?;
         let mut written = Ok(());
         content.pieces(&mut |piece| {
             if written.is_ok() {
@@ -38,6 +42,10 @@ impl Accel {
         });
         written
     }
+}
+
+fn unseen(accel: &Accel) -> Option<Vec<u8>> {
+    accel.provenance().unseen.as_ref().map(Profile::to_bytes)
 }
 
 /// All of a file.
@@ -49,12 +57,12 @@ struct Content<'a> {
 }
 
 impl<'a> Content<'a> {
-    fn of(accel: &'a Accel) -> Result<Self> {
+    fn of(accel: &'a Accel, unseen: Option<&'a [u8]>) -> Result<Self> {
         if !LITTLE_ENDIAN {
             return fail(0, NOT_HERE);
         }
         let description = Description::of(accel).to_json()?;
-        let (layout, parts) = (layout(&accel.stats().spec), parts(accel));
+        let (layout, parts) = (layout(&accel.stats().spec), parts(accel, unseen));
         let header = Header::new(layout, accel.mesh().checksum(), description.len(), &parts);
         Ok(Self { layout, header, description, parts })
     }

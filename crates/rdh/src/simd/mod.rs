@@ -7,6 +7,8 @@
 //! which are conservative whichever way they round; no approximate reciprocals.
 #![allow(unsafe_code, reason = "intrinsics need it; each block says why it is sound")]
 
+#[cfg(any(target_arch = "aarch64", test))]
+mod arm;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -20,6 +22,8 @@ mod guess;
 mod indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 mod leaky;
+#[cfg(any(target_arch = "aarch64", test))]
+mod neon;
 mod portable;
 
 pub(crate) use block::{Block, LANES, Lanes};
@@ -44,6 +48,8 @@ enum Kind {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    #[cfg(any(target_arch = "aarch64", test))]
+    Neon,
 }
 
 impl Level {
@@ -57,8 +63,13 @@ impl Level {
 
     /// All levels of this CPU, slowest first: tests run on each.
     pub fn available() -> Vec<Self> {
-        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is one level alone"))]
+        #[cfg_attr(
+            not(any(target_arch = "x86_64", target_arch = "aarch64", test)),
+            expect(unused_mut, reason = "there is one level alone")
+        )]
         let mut levels = vec![Self::PORTABLE];
+        #[cfg(any(target_arch = "aarch64", test))]
+        levels.push(Self(Kind::Neon));
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2")
             && std::arch::is_x86_feature_detected!("bmi1")
@@ -85,6 +96,8 @@ impl Level {
             Kind::Avx2 => "avx2",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512 => "avx512",
+            #[cfg(any(target_arch = "aarch64", test))]
+            Kind::Neon => "neon",
         }
     }
 
@@ -99,6 +112,8 @@ impl Level {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a `Level` of this kind is only made where the CPU has these, and AVX-512 F, VL, DQ and BW.
             Kind::Avx512 => unsafe { avx512::enter(job) },
+            #[cfg(any(target_arch = "aarch64", test))]
+            Kind::Neon => neon::enter(job),
         }
     }
 }
@@ -191,6 +206,7 @@ pub(crate) trait Kernels: Copy {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::Aabb;
 
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
@@ -221,14 +237,18 @@ mod tests {
         }
     }
 
+    /// Coarse numbers: they meet in exact zeros and ties often.
+    fn coarse() -> impl FnMut() -> f32 {
+        let mut state = 7u32;
+        move || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            f32::from((state >> 28) as u8) / 4.0 - 2.0
+        }
+    }
+
     #[test]
     fn all_levels_give_the_same_bits() {
-        let mut state = 7u32;
-        let mut random = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            // Coarse numbers meet in exact zeros and ties often.
-            f32::from((state >> 28) as u8) / 4.0 - 2.0
-        };
+        let mut random = coarse();
         let (mut possible, mut certain) = (0, 0);
         for _ in 0..20_000 {
             let mut block: Block = bytemuck::Zeroable::zeroed();
@@ -251,5 +271,73 @@ mod tests {
             certain += portable.1.count_ones();
         }
         assert!(certain > 100 && possible > certain, "{certain} of {possible}");
+    }
+    /// The boxes that a ray meets before and after it is shortened, and where it enters those.
+    struct Meeting<'a, const W: usize>(&'a Ray, &'a Boxes<W>);
+
+    impl<const W: usize> Job for Meeting<'_, W> {
+        type Output = (u32, u32, [u32; W]);
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Self::Output {
+            let mut ray = K::box_ray(self.0, Scale::of(&Aabb::EMPTY), 2.0).expect("a valid ray");
+            let mut t = Entered([0.0; W]);
+            let before = K::meet(&ray, self.1, &mut t);
+            K::end_at(&mut ray, 1.0);
+            let after = K::meet(&ray, self.1, &mut t);
+            (before, after, std::array::from_fn(|i| if after >> i & 1 == 1 { t.0[i].to_bits() } else { 0 }))
+        }
+    }
+
+    fn boxes_are_met_alike<const W: usize>() {
+        let (mut random, mut met) = (coarse(), 0);
+        for _ in 0..10_000 {
+            let mut boxes = Boxes::<W>::NONE;
+            for lane in 0..W {
+                let (a, b) = ([random(), random(), random()], [random(), random(), random()]);
+                let bounds = Aabb { min: [0, 1, 2].map(|i| a[i].min(b[i])), max: [0, 1, 2].map(|i| a[i].max(b[i])) };
+                // Some lanes stay without a box.
+                if random() > -1.5 {
+                    boxes.set(lane, &bounds, 0);
+                }
+            }
+            // Powers of two, and zeros: products are exact, so that fused multiply-adds round like separate ones.
+            const SLOPES: [f32; 8] = [0.0, -0.0, 0.5, 1.0, 2.0, -0.5, -1.0, -2.0];
+            let mut slope = || SLOPES[((random() + 2.0) * 2.0) as usize];
+            let direction = [slope(), slope(), 1.0];
+            let ray = Ray::new([random(), random(), random()], direction);
+            let portable = Level::PORTABLE.run(Meeting(&ray, &boxes));
+            for level in Level::available() {
+                assert_eq!(level.run(Meeting(&ray, &boxes)), portable, "{}: {ray:?}", level.name());
+            }
+            met += portable.1.count_ones();
+        }
+        assert!(met > 1_000, "{met}");
+    }
+
+    #[test]
+    fn all_levels_meet_the_same_boxes() {
+        boxes_are_met_alike::<2>();
+        boxes_are_met_alike::<4>();
+        boxes_are_met_alike::<8>();
+    }
+
+    #[test]
+    fn all_levels_lower_alike() {
+        struct Lower([f32; 8], [f32; 8]);
+        impl Job for Lower {
+            type Output = [f32; 8];
+
+            #[inline(always)]
+            fn run<K: Kernels>(mut self) -> [f32; 8] {
+                K::lower(&mut self.0, &self.1);
+                self.0
+            }
+        }
+        let (mine, theirs) =
+            ([1.0, 2.0, -3.0, 4.0, 5.0, 6.0, f32::INFINITY, 8.0], [2.0, 1.0, -2.0, -4.0, 5.5, 0.0, 3.0, 9.0]);
+        for level in Level::available() {
+            assert_eq!(level.run(Lower(mine, theirs)), [1.0, 1.0, -3.0, -4.0, 5.0, 0.0, 3.0, 8.0], "{}", level.name());
+        }
     }
 }
