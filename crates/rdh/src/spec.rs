@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::bvh::{BvhSpec, Effort, Width};
 use crate::error::{Error, Result};
-use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 /// What is to be built.
@@ -72,7 +72,14 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
-        Ok(spec)
+        match spec {
+            Self { structure: StructureSpec::Kd(_), heuristic: HeuristicSpec::Rdh(rdh) }
+                if rdh.stages != Stages::default() =>
+            {
+                Err(fail(format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))))
+            }
+            _ => Ok(spec),
+        }
     }
 }
 
@@ -210,9 +217,15 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
+            (stage, _) if Stages::NAMES.contains(&stage) => {
+                if let Some(by) = rdh.stages.get_mut(stage) {
+                    *by = choice(key, value, &[("rays", By::Rays), ("areas", By::Areas)])?;
+                }
+            }
             ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
-                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
+                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1, and for hierarchies \
+                             splits, moves, cuts and order=rays|areas";
                 return Err(unknown("rdh", key, known));
             }
         }
@@ -243,6 +256,9 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
         out.push(format!("cap={cap}"));
     }
+    let mut stages = rdh.stages;
+    let by_areas = Stages::NAMES.iter().filter(|name| stages.get_mut(name).is_some_and(|by| *by == By::Areas));
+    out.extend(by_areas.map(|name| format!("{name}=areas")));
     out
 }
 
@@ -329,6 +345,7 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
@@ -356,6 +373,8 @@ mod tests {
             "kd+kd",
             "kd(leaf=8",
             "kd+sah+rdh",
+            "kd+rdh(order=areas)",
+            "bvh8+rdh(order=area)",
         ] {
             assert!(text.parse::<Spec>().is_err(), "{text}");
         }

@@ -8,14 +8,14 @@ use super::extent::Extent;
 use super::guided::ByRays;
 use super::layout::{self, Arrays};
 use super::link::Link;
+use super::order::Asker;
 use super::spatial::{self, Grown};
 use super::split::Search;
-use super::visits::Visits;
-use super::{Bvh, BvhSpec, Effort, reinsert};
+use super::{Bvh, BvhSpec, Effort, order, reinsert, visits};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Scale, TriId};
-use crate::heuristic::Rdh;
+use crate::geom::{Aabb, Ray, RayFrame, Scale, TriId, Vec3, hit_triangle};
+use crate::heuristic::{By, Rdh, Stages};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
@@ -96,7 +96,7 @@ impl Build<'_> {
     }
 
     fn grow_whole(&self, mut primitives: Vec<Extent>) -> Result<Grown> {
-        let nodes = match self.guide {
+        let nodes = match self.guide_of(|stages| stages.splits) {
             Some(rdh) => binary::grow(&mut primitives, self.search(), &ByRays(rdh), self.watch)?,
             None => binary::grow(&mut primitives, self.search(), &ByArea, self.watch)?,
         };
@@ -110,10 +110,7 @@ impl Build<'_> {
     fn primitives(&self) -> Result<Vec<Extent>> {
         let mut primitives = Vec::new();
         reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend((0..self.mesh.len() as u32).map(|id| {
-            let corners = self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), id, 0)
-        }));
+        primitives.extend((0..self.mesh.len() as u32).map(|id| Extent::new(&Aabb::around(&self.corners(id)), id, 0)));
         Ok(primitives)
     }
 
@@ -134,23 +131,52 @@ impl Build<'_> {
     /// Wide nodes and blocks of triangles.
     fn pack<const W: usize>(&self, grown: Grown) -> Result<Arrays<W>> {
         let Grown { nodes, ids } = grown;
-        let weights = self.weights(&nodes)?;
-        self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.watch)?;
-        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
-        // cost; but where spatial splits made them, a large child that holds little is soon done with.
-        let order = |i: usize| match self.guide {
-            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
-            None if self.spec.spatial => weights.stops[i] / cuts.count(i) as f32,
-            None => weights.stops[i],
+        let visits = match self.guide_of(|stages| stages.cuts) {
+            Some(rdh) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
+            None => visits::by_area(&nodes)?,
         };
-        layout::lay_out(&nodes, &ids, &cuts, order, |id| self.mesh.corners(TriId(id)), self.watch)
+        self.watch.check_cancelled()?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| visits[i], self.watch)?;
+        let order = self.order(&nodes, &ids, &cuts)?;
+        layout::lay_out(&nodes, &ids, &cuts, |i| order[i], |id| self.mesh.corners(TriId(id)), self.watch)
     }
 
-    fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {
-        match self.guide {
-            Some(rdh) => Visits::measure(nodes, rdh, self.watch),
-            None => Visits::by_area(nodes),
+    /// Any-hit rays take those children first that get the highest numbers here.
+    fn order<const W: usize>(&self, nodes: &[BinaryNode], ids: &[u32], cuts: &Cuts<W>) -> Result<Vec<f32>> {
+        let mut order = visits::by_area(nodes)?;
+        if self.spec.spatial {
+            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where spatial splits made them, a
+            // large child that holds little is soon done with.
+            order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
         }
+        if let Some(rdh) = self.guide_of(|stages| stages.order) {
+            let askers = Asker::all(rdh, self.scale.scaled(&self.mesh.bounds()).magnitude());
+            let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
+            order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
+        }
+        Ok(order)
+    }
+
+    /// Whether a ray, in scaled space, hits a triangle below a binary node.
+    fn is_hit_below(&self, nodes: &[BinaryNode], ids: &[u32], node: usize, ray: &Ray) -> bool {
+        let this = &nodes[node];
+        if this.is_interior() {
+            return [node + 1, this.right()].into_iter().any(|child| self.is_hit_below(nodes, ids, child, ray));
+        }
+        let frame = RayFrame::new(ray);
+        ids[this.range()].iter().any(|&id| {
+            let is_seen = self.mesh.masks().is_none_or(|masks| masks[id as usize] & ray.mask != 0);
+            is_seen && hit_triangle(&frame, &self.corners(id), TriId(id)).is_some()
+        })
+    }
+
+    /// In scaled space.
+    fn corners(&self, id: u32) -> [Vec3; 3] {
+        self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()))
+    }
+
+    /// The rays, if a stage is to know them.
+    fn guide_of(&self, stage: impl Fn(&Stages) -> By) -> Option<&Rdh> {
+        self.guide.filter(|rdh| stage(&rdh.stages()) == By::Rays)
     }
 }

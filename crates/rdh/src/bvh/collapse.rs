@@ -27,8 +27,6 @@ pub(crate) struct Costs {
 /// The way to cut a binary tree into wide nodes of up to `W` children.
 pub(crate) struct Cuts<const W: usize> {
     cuts: Vec<Cut<W>>,
-    /// What each subtree costs as one root.
-    costs: Vec<f32>,
     /// How many references each subtree has.
     counts: Vec<u32>,
 }
@@ -85,10 +83,7 @@ impl<const W: usize> Cuts<W> {
             }
             (forests[i], cuts[i]) = (forest, Cut { left, leaf });
         }
-        let mut costs = Vec::new();
-        reserve(&mut costs, nodes.len(), "cuts")?;
-        costs.extend(forests.iter().map(|forest| forest[0]));
-        Ok(Self { cuts, costs, counts })
+        Ok(Self { cuts, counts })
     }
 
     /// The binary nodes that become the children of a wide node made of `node`, in order.
@@ -112,11 +107,6 @@ impl<const W: usize> Cuts<W> {
             waiting += 2;
         }
         (children, n)
-    }
-
-    /// What a subtree is expected to cost a ray that meets the root, if it hangs there as one child.
-    pub(crate) fn cost(&self, node: usize) -> f32 {
-        self.costs[node]
     }
 
     /// The references below a node.

@@ -14,6 +14,7 @@ mod extent;
 mod guided;
 mod layout;
 mod link;
+mod order;
 mod reinsert;
 mod spatial;
 mod spec;

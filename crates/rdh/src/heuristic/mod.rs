@@ -13,7 +13,7 @@ mod spec;
 
 pub use rdh::Rdh;
 pub use sah::Sah;
-pub use spec::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+pub use spec::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 
 use crate::geom::{Aabb, Axis};
 use crate::rays::Training;
