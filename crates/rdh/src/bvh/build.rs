@@ -33,7 +33,8 @@ impl<const W: usize> Bvh<W> {
         let bounds = mesh.bounds();
         let scale = Scale::of(&bounds);
         let bounds = scale.scaled(&bounds);
-        let build = Build { mesh, spec, guide, options, scale, watch: &watch };
+        let tracked = guide.map(|rdh| rdh.thinned(RAYS_TRACKED));
+        let build = Build { mesh, spec, guide, tracked, options, scale, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
         let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
         let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
@@ -62,30 +63,48 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// Spatial splits may add one reference to so many.
 const ONE_SPARE_IN: usize = 2;
 
+/// Sampled rays that are followed down the tree; more gain nothing.
+const RAYS_TRACKED: usize = 4096;
+
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
     spec: &'a BvhSpec,
     guide: Option<&'a Rdh>,
+    /// A fair part of its rays.
+    tracked: Option<Rdh>,
     options: &'a BuildOptions<'a>,
     scale: Scale,
     watch: &'a Watch<'a>,
 }
 
 impl Build<'_> {
-    /// The binary tree, improved as the effort says.
-    fn grow(&self) -> Result<Grown> {
+    /// The binary tree, improved as the effort says; and how often rays visit its nodes, if that has been found out.
+    fn grow(&self) -> Result<(Grown, Option<Vec<f32>>)> {
         let primitives = self.primitives()?;
         if primitives.is_empty() {
-            return Ok(Grown::default());
+            return Ok((Grown::default(), None));
         }
         let grown = if self.spec.spatial { self.grow_cutting(primitives) } else { self.grow_whole(primitives) };
-        let Grown { nodes, ids } = grown?;
-        let nodes = match self.spec.effort {
-            Effort::High => reinsert::reinsert(nodes, self.is_parallel(), self.watch)?,
-            _ => nodes,
+        self.improve(grown?)
+    }
+
+    /// Moves subtrees to better places: for the rays as far as the effort allows, by areas only if it is high.
+    fn improve(&self, Grown { nodes, ids }: Grown) -> Result<(Grown, Option<Vec<f32>>)> {
+        let rounds = match self.spec.effort {
+            Effort::Quick => 0,
+            Effort::Default => 4,
+            Effort::High => reinsert::ROUNDS,
         };
-        Ok(Grown { nodes, ids })
+        let (nodes, visits) = match (self.guide_of(|stages| stages.moves), self.spec.effort) {
+            (Some(rdh), Effort::Default | Effort::High) => {
+                let (nodes, visits) = reinsert::reinsert_for(rdh, nodes, rounds, self.is_parallel(), self.watch)?;
+                (nodes, Some(visits))
+            }
+            (None, Effort::High) => (reinsert::reinsert(nodes, self.is_parallel(), self.watch)?, None),
+            _ => (nodes, None),
+        };
+        Ok((Grown { nodes, ids }, visits))
     }
 
     fn grow_cutting(&self, references: Vec<Extent>) -> Result<Grown> {
@@ -129,11 +148,12 @@ impl Build<'_> {
     }
 
     /// Wide nodes and blocks of triangles.
-    fn pack<const W: usize>(&self, grown: Grown) -> Result<Arrays<W>> {
+    fn pack<const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<W>> {
         let Grown { nodes, ids } = grown;
-        let visits = match self.guide_of(|stages| stages.cuts) {
-            Some(rdh) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
-            None => visits::by_area(&nodes)?,
+        let visits = match (self.guide_of(|stages| stages.cuts), visits) {
+            (Some(_), Some(visits)) => visits,
+            (Some(rdh), None) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
+            (None, _) => visits::by_area(&nodes)?,
         };
         self.watch.check_cancelled()?;
         let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| visits[i], self.watch)?;
@@ -149,7 +169,8 @@ impl Build<'_> {
             // large child that holds little is soon done with.
             order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
         }
-        if let Some(rdh) = self.guide_of(|stages| stages.order) {
+        // All rays are asked who asks for any hit: there may be few.
+        if let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) {
             let askers = Asker::all(rdh, self.scale.scaled(&self.mesh.bounds()).magnitude());
             let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
             order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
@@ -177,6 +198,6 @@ impl Build<'_> {
 
     /// The rays, if a stage is to know them.
     fn guide_of(&self, stage: impl Fn(&Stages) -> By) -> Option<&Rdh> {
-        self.guide.filter(|rdh| stage(&rdh.stages()) == By::Rays)
+        self.tracked.as_ref().filter(|rdh| stage(&rdh.stages()) == By::Rays)
     }
 }

@@ -10,6 +10,7 @@ mod build;
 mod check;
 mod chop;
 mod collapse;
+mod crowd;
 mod extent;
 mod guided;
 mod layout;

@@ -19,7 +19,7 @@ use crate::options::Watch;
 use crate::simd::LANES;
 
 /// More rays than this change no order that matters.
-const MOST: usize = 2048;
+const MOST: usize = 1024;
 /// What areas promise counts as so many rays.
 const PRIOR: f32 = 1.0;
 

@@ -51,6 +51,11 @@ impl NodeRays {
         self.spans.len()
     }
 
+    /// Which of the heuristic's rays.
+    pub(crate) fn rays(&self) -> impl Iterator<Item = u32> {
+        self.spans.iter().map(|span| span.ray)
+    }
+
     /// Whether none is.
     pub fn is_empty(&self) -> bool {
         self.spans.is_empty()

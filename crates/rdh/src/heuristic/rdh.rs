@@ -78,6 +78,22 @@ impl Rdh {
         self.stages
     }
 
+    /// Whether a ray meets a box.
+    pub(crate) fn meets(&self, ray: u32, bounds: &Aabb) -> bool {
+        let line = &self.lines[ray as usize];
+        self.clip(Span { ray, t_in: line.t_start, t_out: line.t_end }, bounds).is_some()
+    }
+
+    /// How many rays a sampled ray stands for.
+    pub(crate) fn weight(&self, ray: u32) -> f32 {
+        self.lines[ray as usize].weight
+    }
+
+    /// The same over a fair part of the rays.
+    pub(crate) fn thinned(&self, most: usize) -> Self {
+        Self { lines: self.lines[..most.min(self.lines.len())].to_vec(), ..*self }
+    }
+
     /// The rays that are counted in a node: all, or the first few, which are a random sub-sample.
     fn counted<'a>(&self, rays: &'a NodeRays) -> &'a [Span] {
         let n = rays.spans.len();
