@@ -1,7 +1,9 @@
 //! Developer tasks: `cargo xtask TASK`.
 
 mod browser;
+mod deep;
 mod engines;
+mod fuzz;
 mod study;
 
 use std::path::{Path, PathBuf};
@@ -22,8 +24,12 @@ struct Arguments {
 enum Task {
     /// Look at a page in a real browser, and complain.
     Browser(browser::Arguments),
+    /// Run checks that take too long for the ordinary tests.
+    Deep(deep::Arguments),
     /// Get and build the competitors that `rdh bench` races (engines/README.md).
     Engines(engines::Arguments),
+    /// Fuzz everything that reads or builds (fuzz/): needs nightly Rust and cargo-fuzz.
+    Fuzz(fuzz::Arguments),
     /// Run a study in parts side by side, and put its page and tables into docs/study.
     Study(study::Arguments),
 }
@@ -31,7 +37,9 @@ enum Task {
 fn main() -> ExitCode {
     let result = match Arguments::parse().task {
         Task::Browser(arguments) => browser::run(&arguments),
+        Task::Deep(arguments) => deep::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
+        Task::Fuzz(arguments) => fuzz::run(&arguments),
         Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };
     match result {

@@ -5,6 +5,7 @@ mod commands;
 mod context;
 mod exit;
 mod machine;
+mod npy;
 mod output;
 mod pick;
 mod picture;
@@ -33,8 +34,15 @@ fn run(cli: &Cli) -> Result<()> {
         Command::Scenes(args) => commands::scenes::run(args, &context),
         Command::Record(args) => commands::record::run(args, &context),
         Command::Rays(args) => commands::rays::run(args, &context),
+        Command::Build(args) => commands::build::run(args, &context),
+        Command::Verify(args) => commands::verify::run(args, &context),
+        Command::Cast(args) => commands::cast::run(args, &context),
+        Command::Convert(args) => commands::convert::run(args, &context),
+        Command::Tune(args) => commands::tune::run(args, &context),
         Command::Render(args) => commands::render::run(args, &context),
         Command::Report(args) => commands::report::run(args, &context),
         Command::Bench(args) => commands::bench::run(args, &context),
+        Command::Completions(args) => commands::shell::completions(args),
+        Command::Man(args) => commands::shell::man(args),
     }
 }

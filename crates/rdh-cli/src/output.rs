@@ -22,7 +22,7 @@ pub(crate) fn print_json(document: &impl Serialize) -> Result<()> {
 
 /// Writes a file as a whole; nobody ever sees half of it.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
-    rdh_study::files::write_whole(path, bytes).with_context(|| format!("{} can't be written", path.display()))
+    rdh_scene::files::write_whole(path, bytes).with_context(|| format!("{} can't be written", path.display()))
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! A scene, loaded and ready, with one view of it.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 use rdh::{Accel, BuildOptions, Spec, Training, build};
 use rdh_scene::View;
+use rdh_scene::saved::Setting;
 use rdh_study::{Mode, Plan, Shoot, Stage, Target};
 
 use crate::exit::usage;
@@ -14,7 +16,9 @@ use crate::exit::usage;
 pub(crate) struct Staged {
     pub scene: String,
     pub view: View,
-    pub stage: Stage,
+    pub stage: Arc<Stage>,
+    /// How the scene lies and is looked at, to be saved with a tree.
+    pub setting: Arc<Setting>,
 }
 
 impl Staged {
@@ -23,14 +27,28 @@ impl Staged {
     /// # Errors
     /// What the reader says; usage for an unknown view.
     pub(crate) fn load(target: &Target) -> Result<Self> {
+        Self::load_all(target)?.into_iter().next().context("the scene has no view")
+    }
+
+    /// Loads a scene once, with all the target's views.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub(crate) fn load_all(target: &Target) -> Result<Vec<Self>> {
         let scene = target.entry.load(0).with_context(|| format!("scene '{}'", target.entry.id))?;
         for note in &scene.notes {
             tracing::warn!("{}: {} {}", target.entry.id, note.count, note.what);
         }
-        let stage = Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?;
+        let stage = Arc::new(Stage::new(&scene).with_context(|| format!("scene '{}'", target.entry.id))?);
         let views = target.resolve(&scene.views, || stage.overview()).map_err(usage)?;
-        let view = views.into_iter().next().context("the scene has no view")?;
-        Ok(Self { scene: target.entry.id.clone(), view, stage })
+        let setting = Arc::new(Setting { id: target.entry.id.clone(), ..Setting::of(&scene) });
+        let with = |view: View| Self {
+            scene: target.entry.id.clone(),
+            view,
+            stage: Arc::clone(&stage),
+            setting: Arc::clone(&setting),
+        };
+        Ok(views.into_iter().map(with).collect())
     }
 
     /// `scene:view`, as it is typed.

@@ -3,10 +3,12 @@
 pub mod camera;
 pub mod catalog;
 pub mod error;
+pub mod files;
 pub mod formats;
 pub mod generate;
 pub mod index;
 pub mod path;
+pub mod saved;
 pub mod scene;
 
 pub use camera::{Camera, View};

@@ -3,6 +3,8 @@
 use rdh::{Mesh, Vec3};
 
 use crate::camera::View;
+use crate::error::Result;
+use crate::formats;
 
 /// A scene. Positions are relative to `origin`, so that f32 is fine enough even for geodata.
 #[derive(Debug, Clone, Default)]
@@ -165,6 +167,14 @@ impl Flat {
 }
 
 impl Scene {
+    /// A scene of one mesh; far away ones get an origin near them, as those from files do.
+    ///
+    /// # Errors
+    /// More vertices or triangles than can be numbered, or memory running out. Vertices and indices are not checked yet.
+    pub fn from_triangles(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        formats::place(positions, triangles)
+    }
+
     /// Triangles of all instances.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|i| self.geometries[i.geometry].triangles.len()).sum()

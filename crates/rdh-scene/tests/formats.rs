@@ -25,7 +25,8 @@ fn first_corner(scene: &Scene, instance: usize) -> [f64; 3] {
 
 #[test]
 fn extensions_count_in_any_case() {
-    for (name, format) in [("a.obj", "obj"), ("a.b.STL", "stl"), ("A.Ply", "ply"), ("x.glTF", "gltf"), ("x.GLB", "glb")]
+    for (name, format) in
+        [("a.obj", "obj"), ("a.b.STL", "stl"), ("A.Ply", "ply"), ("x.glTF", "gltf"), ("x.GLB", "glb"), ("x.rdh", "rdh")]
     {
         assert_eq!(format_of(Path::new(name)).unwrap().name, format);
     }

@@ -3,7 +3,10 @@
 //! ```text
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
+//!  builds       what builds cost on one thread and two
+//!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
+//!  verify       a finished structure beside brute force
 //!  summary      ratios to a base, with intervals
 //!  stats        means, medians, bootstrap
 //!  run          all cases of a plan, row by row
@@ -14,9 +17,10 @@
 //! Each layer uses only those below it.
 
 pub mod bench;
+pub mod builds;
 pub mod clock;
 pub mod error;
-pub mod files;
+pub mod identical;
 pub mod integrate;
 pub mod measure;
 pub mod plan;
@@ -26,6 +30,7 @@ pub mod run;
 pub mod stats;
 pub mod study;
 pub mod summary;
+pub mod verify;
 
 pub use error::{Error, Result};
 pub use integrate::{Lens, Mode, RayBatch, Shoot, Stage, path_counts, radiance};

@@ -47,6 +47,9 @@ pub struct Row {
     pub class: RayClass,
     /// The structure.
     pub spec: Spec,
+    /// What `auto` chose; absent in JSON for specs that name their structure themselves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<Spec>,
     /// Triangles of the scene.
     pub triangles: usize,
     /// Rays cast.

@@ -1,5 +1,8 @@
 //! One face for all structures.
 
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
 use crate::bvh::{self, Bvh, Width};
 use crate::error::{Error, Result};
 use crate::fault::Fault;
@@ -8,21 +11,38 @@ use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
+use crate::parts::{Parts, Written};
 use crate::probe::Counts;
-use crate::rays::Training;
+use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
 
-/// A finished structure: answers queries from any number of threads. It holds its own copies of the triangles.
+/// A finished structure: answers queries from any number of threads. It holds its own copies of the triangles, and the mesh, whose
+/// memory it shares. Clones share all memory.
 #[derive(Debug, Clone)]
 pub struct Accel {
     structure: Structure,
+    mesh: Mesh,
     stats: Stats,
+    provenance: Provenance,
+}
+
+/// How a structure came about: free notes, which are saved with it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Provenance {
+    /// What all randomness of the recording and the choice came from.
+    pub seed: Option<u64>,
+    /// Scene, view, mode, …: whatever the building program notes; `Null` at first.
+    pub settings: Value,
+    /// Why this structure and no other.
+    pub evidence: Option<Value>,
+    /// Rays by which nothing was built or chosen: what it may be judged by, now and later.
+    pub unseen: Option<Profile>,
 }
 
 /// The closed set of structures: an enum costs nothing here.
 #[derive(Debug, Clone)]
-enum Structure {
+pub(crate) enum Structure {
     Kd(KdTree),
     Bvh2(Bvh<2>),
     Bvh4(Bvh<4>),
@@ -42,9 +62,10 @@ macro_rules! each {
 }
 
 /// What was built, for reports.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Stats {
-    /// What was asked for, in full; what was really built never differs from it.
+    /// What was asked for, in full; what was really built never differs from it. For `auto` this is what it chose.
     pub spec: Spec,
     /// Triangles of the mesh.
     pub triangles: usize,
@@ -64,11 +85,13 @@ pub struct Stats {
     pub trained_on: usize,
 }
 
-/// Builds what `spec` names, from `rays` where its heuristic asks for them.
+/// Builds what `spec` names, from `rays` where its heuristic asks for them. It names one structure; `auto` is resolved by
+/// [`crate::build()`].
 ///
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
-pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check()?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -77,8 +100,7 @@ pub fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'
         Some(threads) => in_pool(threads, || build_structure(mesh, spec, rays, options))?,
     };
     let trained_on = if spec.needs_rays() { rays.len() } else { 0 };
-    let stats = structure.stats(mesh, spec, trained_on);
-    Ok(Accel { structure, stats })
+    Ok(Accel::of(structure, mesh.clone(), *spec, trained_on))
 }
 
 fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
@@ -93,15 +115,16 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale);
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
+        StructureSpec::Auto => Err(nameless(spec)),
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
@@ -114,7 +137,18 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
     }
 }
 
+/// For a spec that leaves the choice open.
+fn nameless(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "names no structure".to_owned() }
+}
+
 impl Accel {
+    /// Of a structure over a mesh.
+    pub(crate) fn of(structure: Structure, mesh: Mesh, spec: Spec, trained_on: usize) -> Self {
+        let stats = structure.stats(&mesh, &spec, trained_on);
+        Self { structure, mesh, stats, provenance: Provenance::default() }
+    }
+
     /// The nearest hit; of equally near ones that with the smallest triangle id.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
@@ -133,6 +167,19 @@ impl Accel {
         each!(&self.structure, tree => tree.all_hits(ray, &mut (), hits));
     }
 
+    /// The nearest hit that `passes`: for cut-outs, and for what a ray must not see. It is asked about hits in any order, about
+    /// some that lie behind the result, and about one triangle perhaps several times; it must always answer alike.
+    ///
+    /// What does not pass is no hit: record what this returns.
+    pub fn closest_where(&self, ray: &Ray, mut passes: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        each!(&self.structure, tree => tree.closest_where(ray, &mut passes))
+    }
+
+    /// Whether anything that `passes` is hit; it is asked as in [`Self::closest_where`].
+    pub fn occluded_where(&self, ray: &Ray, mut passes: impl FnMut(&Hit) -> bool) -> bool {
+        each!(&self.structure, tree => tree.occluded_where(ray, &mut passes))
+    }
+
     /// [`Self::closest`], and what it cost, added to `counts`.
     pub fn closest_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
         each!(&self.structure, tree => tree.closest(ray, counts))
@@ -143,9 +190,34 @@ impl Accel {
         each!(&self.structure, tree => tree.occluded(ray, counts))
     }
 
+    /// [`Self::all_hits`], and what it cost, added to `counts`.
+    pub fn all_hits_counted(&self, ray: &Ray, hits: &mut Vec<Hit>, counts: &mut Counts) {
+        each!(&self.structure, tree => tree.all_hits(ray, counts, hits));
+    }
+
     /// What was built.
     pub fn stats(&self) -> &Stats {
         &self.stats
+    }
+
+    /// The mesh that it was built over.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// How it came about.
+    pub fn provenance(&self) -> &Provenance {
+        &self.provenance
+    }
+
+    /// The same structure with notes of how it came about.
+    pub fn with_provenance(self, provenance: Provenance) -> Self {
+        Self { provenance, ..self }
+    }
+
+    /// What it is made of.
+    pub(crate) fn structure(&self) -> &Structure {
+        &self.structure
     }
 
     /// The box of everything that can be hit.
@@ -189,6 +261,24 @@ impl Accel {
 }
 
 impl Structure {
+    /// Its arrays, to be saved.
+    pub(crate) fn parts(&self) -> Vec<Written<'_>> {
+        each!(self, tree => tree.parts())
+    }
+
+    /// The structure of this kind that saved arrays make, checked.
+    pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
+        Ok(match spec.structure {
+            StructureSpec::Auto => return Err(nameless(spec)),
+            StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
+            StructureSpec::Bvh(bvh) => match bvh.width {
+                Width::Two => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
+                Width::Four => Self::Bvh4(Bvh::from_parts(parts, mesh)?),
+                Width::Eight => Self::Bvh8(Bvh::from_parts(parts, mesh)?),
+            },
+        })
+    }
+
     fn stats(&self, mesh: &Mesh, spec: &Spec, trained_on: usize) -> Stats {
         let (nodes, leaves, empty_leaves, references, depth) = match self {
             Self::Kd(tree) => {

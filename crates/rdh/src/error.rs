@@ -66,6 +66,20 @@ pub enum Error {
         /// The budget.
         limit: usize,
     },
+    /// A build took longer than it may.
+    #[error("'{spec}' takes more than {secs} s to build")]
+    TooSlow {
+        /// What was built.
+        spec: String,
+        /// The limit.
+        secs: f64,
+    },
+    /// A choice that can't be made.
+    #[error("nothing can be chosen: {reason}")]
+    Tuning {
+        /// What makes no sense, or could not be built.
+        reason: String,
+    },
     /// Memory could not be had.
     #[error("out of memory: {bytes} bytes for {what} could not be allocated")]
     OutOfMemory {

@@ -1,18 +1,65 @@
 //! What checks of structures find.
 
+use crate::geom::TriId;
+use crate::mesh::Mesh;
+use crate::parts::{Part, Place};
+use crate::simd::{Block, LANES};
+
 /// Something that is wrong with a structure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault(pub String);
 
 /// A list of faults, cut off at 100: a broken structure has millions.
 #[derive(Debug, Default)]
-pub(crate) struct Faults(pub(crate) Vec<Fault>);
+pub(crate) struct Faults(Vec<(Place, Fault)>);
 
 impl Faults {
+    const MOST: usize = 100;
+
     /// Adds a fault, while there is room.
-    pub(crate) fn add(&mut self, what: String) {
-        if self.0.len() < 100 {
-            self.0.push(Fault(what));
+    pub(crate) fn add(&mut self, place: Place, what: String) {
+        if !self.is_full() {
+            self.0.push((place, Fault(what)));
+        }
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether to look for more is of no use.
+    pub(crate) fn is_full(&self) -> bool {
+        self.0.len() == Self::MOST
+    }
+
+    /// The first one, and where it is.
+    pub(crate) fn first(self) -> Option<(Place, Fault)> {
+        self.0.into_iter().next()
+    }
+
+    /// All of them.
+    pub(crate) fn all(self) -> Vec<Fault> {
+        self.0.into_iter().map(|(_, fault)| fault).collect()
+    }
+
+    /// Blocks hold copies of the mesh's triangles in all their lanes, bit for bit; the unused ones too. O(blocks).
+    pub(crate) fn check_blocks(&mut self, blocks: &[Block], mesh: &Mesh) {
+        let bits = |corners: [[f32; 3]; 3]| corners.map(|c| c.map(f32::to_bits));
+        for (i, block) in blocks.iter().enumerate() {
+            for lane in 0..LANES {
+                let id = block.ids[lane];
+                let fault = match id as usize {
+                    index if index >= mesh.len() => "there is no such triangle",
+                    _ if bits(block.corners(lane)) != bits(mesh.corners(TriId(id))) => "the copy differs from the mesh",
+                    _ => continue,
+                };
+                let what = format!("block {i}, lane {lane}, triangle {id}: {fault}");
+                self.add(Place::of::<Block>(Part::Blocks, i), what);
+            }
+            if self.is_full() {
+                return;
+            }
         }
     }
 }

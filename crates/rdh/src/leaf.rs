@@ -10,8 +10,11 @@ pub(crate) trait Collector {
     /// What it begins with.
     type Start;
 
-    /// Whether any hit will do, whatever it is: then the test itself can be spared where its outcome is certain.
+    /// Whether any hit ends the search: then the likeliest triangles come first, not the nearest.
     const ANY: bool = false;
+
+    /// Whether it matters what is hit; if not, the test itself can be spared where its outcome is certain.
+    const SEES_HITS: bool = true;
 
     /// What comes of it.
     type Output;
@@ -61,6 +64,7 @@ pub(crate) struct Any(pub(crate) bool);
 
 impl Collector for Any {
     const ANY: bool = true;
+    const SEES_HITS: bool = false;
     type Start = ();
     type Output = bool;
 
@@ -83,6 +87,66 @@ impl Collector for Any {
     fn take(&mut self, _hit: Hit, _frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
         self.0 = true;
         None
+    }
+}
+
+/// What decides whether a hit counts: see [`Accel::closest_where`](crate::Accel::closest_where).
+pub(crate) type Filter<'a> = &'a mut dyn FnMut(&Hit) -> bool;
+
+/// The nearest hit that a filter lets pass. It is asked about hits that would win, in any order.
+pub(crate) struct ClosestWhere<'a> {
+    best: Option<Hit>,
+    passes: Filter<'a>,
+}
+
+impl<'a> Collector for ClosestWhere<'a> {
+    type Start = Filter<'a>;
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn new(passes: Filter<'a>) -> Self {
+        Self { best: None, passes }
+    }
+
+    #[inline(always)]
+    fn finish(self) -> Option<Hit> {
+        self.best
+    }
+
+    #[inline(always)]
+    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+        if self.best.is_none_or(|best| hit.wins_over(&best)) && (self.passes)(&hit) {
+            self.best = Some(hit);
+        }
+        Some(self.best.map_or(frame.t_max, |best| best.t))
+    }
+}
+
+/// Whether there is a hit that a filter lets pass.
+pub(crate) struct AnyWhere<'a> {
+    found: bool,
+    passes: Filter<'a>,
+}
+
+impl<'a> Collector for AnyWhere<'a> {
+    const ANY: bool = true;
+    type Start = Filter<'a>;
+    type Output = bool;
+
+    #[inline(always)]
+    fn new(passes: Filter<'a>) -> Self {
+        Self { found: false, passes }
+    }
+
+    #[inline(always)]
+    fn finish(self) -> bool {
+        self.found
+    }
+
+    #[inline(always)]
+    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+        self.found = (self.passes)(&hit);
+        if self.found { None } else { Some(frame.t_max) }
     }
 }
 
@@ -164,12 +228,12 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Tests the `wanted` lanes of a block: whether the end of interest has moved; nothing if the ray is done.
     #[inline(always)]
     pub(crate) fn test<C: Collector>(&mut self, block: &Block, wanted: u32, collector: &mut C) -> Option<bool> {
-        let sifted = if C::ANY {
+        let sifted = if !C::SEES_HITS {
             K::sift::<true>(&self.lanes, block, wanted)
         } else {
             K::sift::<false>(&self.lanes, block, wanted)
         };
-        if C::ANY && sifted.certain != 0 && self.masks.is_none() {
+        if !C::SEES_HITS && sifted.certain != 0 && self.masks.is_none() {
             collector.certain();
             return None;
         }

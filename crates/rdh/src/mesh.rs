@@ -1,17 +1,25 @@
 //! Triangle meshes that are valid by construction.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, TriId, Vec3};
+use crate::mem::{Array, bytes_of, joined, reserve};
+
+/// Triangles that one thread looks at.
+const CHUNK: usize = 1 << 15;
 
 /// A triangle mesh: finite vertices, indices in range, at most 2³⁰ triangles.
 ///
 /// It can only be made by [`Mesh::new`], so whoever holds one need not check it again.
-/// Zero-area triangles are allowed (no ray hits them), and so is the empty mesh.
+/// Zero-area triangles are allowed (no ray hits them), and so is the empty mesh. Clones share their memory.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    masks: Option<Vec<u32>>,
+    positions: Array<Vec3>,
+    triangles: Array<[u32; 3]>,
+    masks: Option<Array<u32>>,
 }
 
 impl Mesh {
@@ -23,6 +31,11 @@ impl Mesh {
     /// # Errors
     /// [`Error::NotFinite`], [`Error::IndexOutOfRange`] or [`Error::TooMany`], naming the first culprit.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        Self::of_arrays(positions.into(), triangles.into())
+    }
+
+    /// [`Self::new`], of arrays that may lie anywhere.
+    pub(crate) fn of_arrays(positions: Array<Vec3>, triangles: Array<[u32; 3]>) -> Result<Self> {
         limit("triangles", triangles.len(), Self::MAX_TRIANGLES)?;
         limit("vertices", positions.len(), u32::MAX as usize)?;
         for (vertex, p) in positions.iter().enumerate() {
@@ -42,7 +55,12 @@ impl Mesh {
     ///
     /// # Errors
     /// [`Error::WrongLength`] unless there is one mask a triangle.
-    pub fn with_masks(mut self, masks: Vec<u32>) -> Result<Self> {
+    pub fn with_masks(self, masks: Vec<u32>) -> Result<Self> {
+        self.with_mask_array(masks.into())
+    }
+
+    /// [`Self::with_masks`], of an array that may lie anywhere.
+    pub(crate) fn with_mask_array(mut self, masks: Array<u32>) -> Result<Self> {
         if masks.len() != self.triangles.len() {
             return Err(Error::WrongLength { what: "masks", got: masks.len(), expected: self.triangles.len() });
         }
@@ -65,6 +83,22 @@ impl Mesh {
         self.masks.as_deref()
     }
 
+    /// The masks, to be held.
+    pub(crate) fn mask_array(&self) -> Option<Array<u32>> {
+        self.masks.clone()
+    }
+
+    /// A hash of all vertices, triangles and masks: equal for equal meshes (0 and -0 are told apart).
+    pub fn checksum(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        let counts = [self.positions.len(), self.triangles.len()];
+        hash.update(counts.map(|n| (n as u64).to_le_bytes()).as_flattened());
+        hash.update(bytes_of(&self.positions));
+        hash.update(bytes_of(&self.triangles));
+        hash.update(bytes_of(self.masks().unwrap_or_default()));
+        hash.digest()
+    }
+
     /// How many triangles there are.
     pub fn len(&self) -> usize {
         self.triangles.len()
@@ -78,6 +112,35 @@ impl Mesh {
     /// The three corners of a triangle.
     pub fn corners(&self, tri: TriId) -> [Vec3; 3] {
         self.triangles[tri.index()].map(|i| self.positions[i as usize])
+    }
+
+    /// The triangles with three different vertices. No ray hits the others, so structures leave them out.
+    pub fn solid(&self) -> impl Iterator<Item = TriId> + '_ {
+        self.solid_among(0..self.len())
+    }
+
+    fn solid_among(&self, ids: Range<usize>) -> impl Iterator<Item = TriId> + '_ {
+        let solid = |[a, b, c]: &[u32; 3]| a != b && b != c && a != c;
+        let triangles = (ids.start as u32..).zip(&self.triangles[ids]);
+        triangles.filter(move |(_, triangle)| solid(triangle)).map(|(id, _)| TriId(id))
+    }
+
+    /// Something of each of them, in order; on several threads if it is to be.
+    pub(crate) fn of_solid<T: Copy + Send + Sync>(
+        &self,
+        parallel: bool,
+        make: impl Fn(TriId) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        let mut all = Vec::new();
+        if !parallel || self.len() <= CHUNK {
+            reserve(&mut all, self.len(), "references")?;
+            all.extend(self.solid().map(make));
+            return Ok(all);
+        }
+        let chunk = |first: usize| self.solid_among(first..(first + CHUNK).min(self.len())).map(&make).collect();
+        let chunks: Vec<Vec<T>> = (0..self.len()).into_par_iter().step_by(CHUNK).map(chunk).collect();
+        let chunks: Vec<&[T]> = chunks.iter().map(|chunk| &chunk[..]).collect();
+        joined(&chunks, true, "references", |_, item| item)
     }
 
     /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
+use crate::simd::Level;
 
 /// Limits and callbacks of a build. The default has no limits but those that keep a tree finite.
 #[derive(Clone, Copy, Default)]
@@ -20,10 +21,20 @@ pub struct BuildOptions<'a> {
     /// `stop=paper`), never more than 64. A bounding volume hierarchy stops where leaves are small, and its binary tree has at
     /// most 64 levels whatever stands here.
     pub max_depth: Option<usize>,
+    /// Which instructions build, and trace what is built; `None` is the best of this CPU. The result is the same with any: for tests
+    /// and measurements.
+    pub level: Option<Level>,
     /// Called now and then with the finished part of the work, 0 to 1; from any thread.
     pub progress: Option<&'a (dyn Fn(f64) + Sync)>,
     /// Asked often, from any thread: `true` stops the build with [`Error::Cancelled`](crate::Error::Cancelled).
     pub cancel: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+impl BuildOptions<'_> {
+    /// The instructions that build.
+    pub(crate) fn level(&self) -> Level {
+        self.level.unwrap_or_else(Level::best)
+    }
 }
 
 /// A build's callbacks, shared by its threads.

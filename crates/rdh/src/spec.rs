@@ -1,14 +1,15 @@
 //! Specs: what is to be built, as plain data with one text form everywhere, `STRUCTURE+HEURISTIC`.
 //!
 //! `kd+sah`, `kd(leaf=1,split=exact)+rdh(prior=32)`, `kd+rdh(paper)`: defaults are omitted, either part may come
-//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones.
+//! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones. `auto` stands alone:
+//! what suits the rays, chosen by [`tune`](crate::tune()).
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Width};
+use crate::bvh::{self, BvhSpec, Effort, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -29,6 +30,8 @@ pub enum StructureSpec {
     Kd(KdSpec),
     /// A bounding volume hierarchy.
     Bvh(BvhSpec),
+    /// Whichever suits the rays. Only [`Spec::AUTO`] has it; a finished structure is never of this kind.
+    Auto,
 }
 
 impl Default for StructureSpec {
@@ -38,9 +41,32 @@ impl Default for StructureSpec {
 }
 
 impl Spec {
-    /// Whether the heuristic needs a profile.
+    /// `auto`: structure and heuristic are chosen by the rays.
+    pub const AUTO: Self = Self { structure: StructureSpec::Auto, heuristic: HeuristicSpec::Sah };
+
+    /// Whether the heuristic, or the choice, needs a profile.
     pub fn needs_rays(&self) -> bool {
-        matches!(self.heuristic, HeuristicSpec::Rdh(_))
+        self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
+    }
+
+    /// Refuses parts that don't go together.
+    pub(crate) fn check(&self) -> Result<()> {
+        let stages = match self.heuristic {
+            HeuristicSpec::Rdh(rdh) => rdh.stages,
+            _ => Stages::default(),
+        };
+        let reason = match self.structure {
+            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, spatial: false, .. })
+                if self.needs_rays() && stages.splits == By::Rays =>
+            {
+                "split=sweep compares areas: rdh counts rays between bins, unless splits=areas".to_owned()
+            }
+            StructureSpec::Kd(_) if stages != Stages::default() => {
+                format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Spec { spec: self.to_string(), reason })
     }
 
     /// Parses a list of specs. Commas inside brackets don't separate.
@@ -57,6 +83,9 @@ impl FromStr for Spec {
 
     fn from_str(text: &str) -> Result<Self> {
         let fail = |reason: String| Error::Spec { spec: text.to_owned(), reason };
+        if text.trim() == "auto" {
+            return Ok(Self::AUTO);
+        }
         let (mut structure, mut heuristic) = (None, None);
         for part in split_outside_brackets(text, '+') {
             let part = Part::parse(part).map_err(fail)?;
@@ -67,25 +96,21 @@ impl FromStr for Spec {
                 }
                 "sah" => set_once(&mut heuristic, parse_sah(&part).map_err(fail)?, "heuristic"),
                 "rdh" => set_once(&mut heuristic, HeuristicSpec::Rdh(parse_rdh(&part).map_err(fail)?), "heuristic"),
-                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh")),
+                "auto" => Err("auto chooses structure and heuristic: it stands alone, without parameters".to_owned()),
+                other => Err(format!("unknown name '{other}'; structures: kd, bvh2, bvh4, bvh8, sbvh2, sbvh4, sbvh8; heuristics: sah, rdh; or auto")),
             }
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
-        match spec {
-            Self { structure: StructureSpec::Kd(_), heuristic: HeuristicSpec::Rdh(rdh) }
-                if rdh.stages != Stages::default() =>
-            {
-                Err(fail(format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))))
-            }
-            _ => Ok(spec),
-        }
+        spec.check()?;
+        Ok(spec)
     }
 }
 
 impl fmt::Display for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.structure {
+            StructureSpec::Auto => return f.write_str("auto"),
             StructureSpec::Kd(kd) => write!(f, "kd{}+", brackets(&kd_parameters(kd)))?,
             StructureSpec::Bvh(bvh) => write!(f, "{}{}+", bvh_name(bvh), brackets(&bvh_parameters(bvh)))?,
         }
@@ -168,7 +193,11 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         match (key, value) {
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
-            _ => return Err(unknown(part.name, key, "quick, high")),
+            ("split", _) => {
+                bvh.split =
+                    choice(key, value, &[("binned", bvh::SplitSearch::Binned), ("sweep", bvh::SplitSearch::Sweep)])?;
+            }
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep")),
         }
     }
     Ok(bvh)
@@ -186,11 +215,13 @@ fn bvh_name(bvh: &BvhSpec) -> &'static str {
 }
 
 fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
-    match bvh.effort {
-        Effort::Quick => vec!["quick".to_owned()],
-        Effort::Default => Vec::new(),
-        Effort::High => vec!["high".to_owned()],
-    }
+    let effort = match bvh.effort {
+        Effort::Quick => Some("quick"),
+        Effort::Default => None,
+        Effort::High => Some("high"),
+    };
+    let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
+    effort.into_iter().chain(split).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -346,6 +377,9 @@ mod tests {
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
+            ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
+            ("bvh8(split=binned)", "bvh8+sah"),
+            (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
@@ -364,6 +398,8 @@ mod tests {
         for text in [
             "",
             "bvh9+sah",
+            "bvh8(split=exact)",
+            "bvh8(split=sweep)+rdh",
             "kd(leaf=3)",
             "kd(leaves=8)",
             "kd(idle=-1)",
@@ -375,6 +411,8 @@ mod tests {
             "kd+sah+rdh",
             "kd+rdh(order=areas)",
             "bvh8+rdh(order=area)",
+            "auto+sah",
+            "auto(x=1)",
         ] {
             assert!(text.parse::<Spec>().is_err(), "{text}");
         }

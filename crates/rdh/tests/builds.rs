@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::meshes::{heights, icosphere, nasty, soup, tessellated_box};
 use common::{SPECS, build_spec, rays::mixed, training};
+use rdh::simd::Level;
 use rdh::{BuildOptions, Counts, Error, Mesh, Spec, Training, build};
 
 fn terrain(n: u32) -> Mesh {
@@ -13,7 +14,7 @@ fn terrain(n: u32) -> Mesh {
 }
 
 #[test]
-fn the_tree_does_not_depend_on_threads() {
+fn the_tree_does_not_depend_on_threads_or_instructions() {
     for mesh in [terrain(80), soup(12_000, 0.03, 3)] {
         let rays = training(&soup(500, 0.05, 1));
         for spec in SPECS {
@@ -24,6 +25,11 @@ fn the_tree_does_not_depend_on_threads() {
             };
             let one = with(1);
             assert_eq!((one, one), (with(2), with(7)), "{spec}");
+            for level in Level::available() {
+                let options = BuildOptions { threads: Some(1), level: Some(level), ..BuildOptions::default() };
+                let tree = build(&mesh, &spec, &rays, &options).expect("it builds");
+                assert_eq!(tree.fingerprint(), one, "{spec}, {}", level.name());
+            }
         }
     }
 }
@@ -47,7 +53,16 @@ fn large_trees_do_not_depend_on_threads_either() {
     let mesh = large_terrain();
     let rays = training(&soup(500, 0.05, 1));
     // The boxes of a binary node's children, which threads have found, are only seen where they are not opened at once.
-    for spec in ["bvh2+sah", "bvh8(quick)+sah", "sbvh8+sah", "bvh8(high)+sah", "bvh8+rdh"] {
+    for spec in [
+        "kd+sah",
+        "kd+rdh",
+        "bvh2+sah",
+        "bvh8(quick)+sah",
+        "bvh8(split=sweep)+sah",
+        "sbvh8+sah",
+        "bvh8(high)+sah",
+        "bvh8+rdh",
+    ] {
         let spec: Spec = spec.parse().expect(spec);
         let with = |threads| {
             let options = BuildOptions { threads: Some(threads), ..BuildOptions::default() };

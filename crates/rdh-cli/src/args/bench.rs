@@ -20,6 +20,10 @@ pub(crate) struct BenchArgs {
     /// about 100,000 (rooms, quarter, grove, terrain)
     #[arg(long)]
     pub quick: bool,
+    /// Measure builds instead, ours alone: CPU time of one thread, elapsed time on one and on two, growth
+    /// [default scenes: those of --scenes DIR, terrains of 0.1, 1 and 5 million triangles, rooms, city]
+    #[arg(long, conflicts_with_all = ["quick", "engines", "columns", "size", "out", "engine_dir", "memory"])]
+    pub builds: bool,
     /// Our structures [default: bvh8(high)+sah,bvh8+sah,kd+sah]; those that need rays are trained on others of the columns
     #[arg(long, visible_alias = "spec", value_name = "LIST")]
     pub specs: Option<String>,

@@ -1,28 +1,40 @@
 //! What was typed.
 
 mod bench;
+mod build;
+mod cast;
 mod compare;
+mod convert;
 mod rays;
 mod record;
 mod render;
 mod report;
 mod scenes;
+mod shell;
 mod study;
+mod tune;
 mod values;
+mod verify;
 
 use std::path::PathBuf;
 
 use clap::{ArgAction, ColorChoice, Parser, Subcommand};
 
 pub(crate) use bench::BenchArgs;
+pub(crate) use build::BuildArgs;
+pub(crate) use cast::{CastArgs, Rows};
 pub(crate) use compare::CompareArgs;
+pub(crate) use convert::ConvertArgs;
 pub(crate) use rays::RaysArgs;
 pub(crate) use record::RecordArgs;
 pub(crate) use render::{Heat, RenderArgs};
 pub(crate) use report::ReportArgs;
 pub(crate) use scenes::ScenesArgs;
+pub(crate) use shell::{CompletionsArgs, ManArgs};
 pub(crate) use study::{MergeArgs, StudyArgs};
+pub(crate) use tune::TuneArgs;
 pub(crate) use values::{Place, Size, Slice};
+pub(crate) use verify::VerifyArgs;
 
 /// rdh: profile-guided ray tracing.
 ///
@@ -52,14 +64,28 @@ pub(crate) enum Command {
     Scenes(ScenesArgs),
     /// Record the rays of a mode as a profile
     Record(RecordArgs),
-    /// Say what profiles hold; merge, thin or split them
+    /// Say what profiles hold and how far they are apart; merge, thin or split them
     Rays(RaysArgs),
+    /// Build a structure and save it
+    Build(BuildArgs),
+    /// Prove a saved tree: well-formed, right, not slower than one built by areas
+    Verify(VerifyArgs),
+    /// Cast the rays of a NumPy file
+    Cast(CastArgs),
+    /// Convert between files of meshes, and between files of rays
+    Convert(ConvertArgs),
+    /// Choose structure and heuristic by rays that are really cast
+    Tune(TuneArgs),
     /// Draw a picture: shaded, a heat map of costs, or a slice through the cells
     Render(RenderArgs),
     /// Make one self-contained page of a study
     Report(ReportArgs),
     /// Race our structures against other libraries'
     Bench(BenchArgs),
+    /// Print what a shell needs to complete arguments
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write those of all commands
+    Man(ManArgs),
 }
 
 /// Arguments that every command takes.

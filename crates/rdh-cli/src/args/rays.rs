@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::values;
 
-/// Say what profiles hold; merge, thin or split them.
+/// Say what profiles hold and how far they are apart; merge, thin or split them.
 ///
 /// Several files can be merged and thinned at once. Profiles that are merged must have been recorded with the same seed.
 #[derive(Debug, clap::Args)]
@@ -21,6 +21,9 @@ pub(crate) struct RaysArgs {
     /// Split into three files that share no ray, by --seed: OUT.training.rays, OUT.held-out.rays, OUT.unseen.rays
     #[arg(long, requires = "output")]
     pub split: bool,
+    /// Say how far each file's rays are from this profile's: whether it is time to build again
+    #[arg(long, value_name = "F.rays", conflicts_with_all = ["merge", "thin", "split"])]
+    pub drift: Option<PathBuf>,
     /// The profile to write
     #[arg(short, long, value_name = "OUT.rays")]
     pub output: Option<PathBuf>,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use rdh::Axis;
+use rdh::{Axis, RayClass};
 
 /// A film's size in pixels, `WIDTHxHEIGHT`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,10 @@ pub(crate) enum Place {
     /// Through the view's eye.
     Eye,
 }
+
+/// What a ray of each class counts, `CLASS=NUMBER,…`; 1 for those that are not named.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ClassWeights(pub [f64; 8]);
 
 impl Size {
     const LARGEST: usize = 16_384;
@@ -85,6 +89,26 @@ fn place(text: &str) -> Option<Place> {
     }
 }
 
+impl FromStr for ClassWeights {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut weights = [1.0; 8];
+        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+            let pair = part.split_once('=').and_then(|(name, weight)| {
+                let class = RayClass::ALL.into_iter().find(|c| c.name() == name.trim())?;
+                Some((class, weight.trim().parse().ok().filter(|w| (0.0..=1e9).contains(w))?))
+            });
+            let (class, weight) = pair.ok_or_else(|| {
+                let known = RayClass::ALL.map(RayClass::name).join(", ");
+                format!("'{part}': CLASS=NUMBER is needed, with a number from 0 to 1e9; classes: {known}")
+            })?;
+            weights[class as usize] = weight;
+        }
+        Ok(Self(weights))
+    }
+}
+
 /// A number of threads that a machine may have.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     in_range(text, 1, 4096)
@@ -98,6 +122,17 @@ pub(crate) fn ray_count(text: &str) -> Result<usize, String> {
 /// A number of rounds that ends some day.
 pub(crate) fn rounds(text: &str) -> Result<usize, String> {
     in_range(text, 1, 10_000)
+}
+
+/// A part of a whole.
+pub(crate) fn part(text: &str) -> Result<f64, String> {
+    let part = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
+    part.ok_or_else(|| "a number from 0 to 1 is needed".to_owned())
+}
+
+/// Megabytes, as bytes.
+pub(crate) fn megabytes(text: &str) -> Result<usize, String> {
+    in_range(text, 1, 1 << 30).map(|mb| mb.saturating_mul(1_000_000))
 }
 
 /// A magnification.
@@ -131,6 +166,16 @@ mod tests {
         assert_eq!("Z:eye".parse(), Ok(Slice { axis: Axis::Z, place: Place::Eye }));
         for wrong in ["", "x", "x:", "w:1", "x:nan", "x:inf", "x:101%", "x:%", "0.5"] {
             assert!(wrong.parse::<Slice>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn class_weights() {
+        assert_eq!("".parse(), Ok(ClassWeights([1.0; 8])));
+        let weights = "shadow=2, primary=0".parse::<ClassWeights>().unwrap().0;
+        assert_eq!(weights[..3], [0.0, 2.0, 1.0]);
+        for wrong in ["shadow", "shadow=", "shadow=-1", "shadow=nan", "shade=1"] {
+            assert!(wrong.parse::<ClassWeights>().unwrap_err().contains("classes: primary"), "{wrong}");
         }
     }
 

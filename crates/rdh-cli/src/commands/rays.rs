@@ -21,11 +21,19 @@ pub(crate) fn run(args: &RaysArgs, context: &Context) -> Result<()> {
         None => profiles,
         Some(output) => transform(args, context.seed, profiles, output)?,
     };
-    let document = json!({ "version": 1, "files": described.iter().map(describe).collect::<Vec<_>>() });
-    if context.json { print_json(&document) } else { print(&described_text(&described, context)) }
+    let mut document = json!({ "version": 1, "files": described.iter().map(describe).collect::<Vec<_>>() });
+    let drift = args.drift.as_deref().map(|file| Ok::<_, anyhow::Error>((file, read(file)?))).transpose()?;
+    let drifts: Vec<_> = drift.iter().flat_map(|base| described.iter().map(|p| drifted(p, base))).collect();
+    if drift.is_some() {
+        document["drifts"] = json!(drifts);
+    }
+    if context.json {
+        return print_json(&document);
+    }
+    print(&(described_text(&described, context) + &drift_text(&drifts, context)))
 }
 
-fn read(file: &Path) -> Result<Profile> {
+pub(crate) fn read(file: &Path) -> Result<Profile> {
     let name = || file.display().to_string();
     let bytes = fs::read(file).with_context(name)?;
     Profile::from_bytes(&bytes).with_context(name)
@@ -119,6 +127,61 @@ fn describe((file, profile): &Named) -> Described {
         settings: serde_json::from_str(profile.settings()).unwrap_or(Value::Null),
         groups: summary.groups.iter().map(group).collect(),
     }
+}
+
+/// How far a profile's rays are from another one's.
+#[derive(Serialize)]
+struct Drifted {
+    file: String,
+    from: String,
+    #[serde(flatten)]
+    drift: Option<Drift>,
+}
+
+/// A drift for `--json`.
+#[derive(Serialize)]
+struct Drift {
+    drift: f64,
+    p_value: f64,
+    origins: f64,
+    directions: f64,
+    lengths: f64,
+    kinds: f64,
+    rays: [usize; 2],
+}
+
+fn drifted((file, profile): &Named, (base_file, base): &(&Path, Profile)) -> Drifted {
+    let drift = base.drift(profile).map(|d| Drift {
+        drift: d.distance,
+        p_value: d.p_value,
+        origins: d.origins,
+        directions: d.directions,
+        lengths: d.lengths,
+        kinds: d.kinds,
+        rays: d.rays,
+    });
+    Drifted { file: file.display().to_string(), from: base_file.display().to_string(), drift }
+}
+
+fn drift_text(drifts: &[Drifted], context: &Context) -> String {
+    let Some(first) = drifts.first() else { return String::new() };
+    let mut table = Table::new(&["file", ">drift", ">p", ">origins", ">directions", ">lengths", ">kinds", "  "]);
+    for d in drifts {
+        let Some(drift) = &d.drift else {
+            table.push(vec![d.file.clone().into(), "no rays".into()]);
+            continue;
+        };
+        let mut row =
+            vec![d.file.clone().into(), format!("{:.3}", drift.drift).into(), format!("{:.3}", drift.p_value).into()];
+        row.extend([drift.origins, drift.directions, drift.lengths, drift.kinds].map(|x| format!("{x:.3}").into()));
+        row.push(if drift.p_value < 0.01 { "other rays" } else { "no clear difference" }.into());
+        table.push(row);
+    }
+    let text = table.text(context.styles.head);
+    format!(
+        "\ndrift from {}: 0 the same rays, 1 nothing in common; p: the chance of it if they are the same\n{text}",
+        first.from
+    )
 }
 
 fn corners(bounds: &Aabb) -> Option<([f32; 3], [f32; 3])> {

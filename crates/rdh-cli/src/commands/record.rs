@@ -3,11 +3,11 @@
 use anyhow::Result;
 use rayon::prelude::*;
 use rdh::{Accel, Profile, Recorder, Spec, Training};
-use rdh_study::{Plan, RayBatch};
+use rdh_study::{Mode, Plan, RayBatch};
 use serde::Serialize;
 use serde_json::json;
 
-use crate::args::RecordArgs;
+use crate::args::{RecordArgs, Size};
 use crate::context::Context;
 use crate::output::{print, print_json, write_file};
 use crate::pick::Shelf;
@@ -24,18 +24,18 @@ pub(crate) fn run(args: &RecordArgs, context: &Context) -> Result<()> {
     let accel = staged.build(&Spec::default(), &Training::none())?;
     bar.inc(1);
     bar.set_message("casting");
-    let profile = record(args, context.seed, &staged, &accel);
+    let profile = record(&staged, args.mode, args.size, args.capacity, context.seed, &accel);
     let profile = profile.with_settings(&settings(args, context.seed, &staged).to_string())?;
     bar.finish_and_clear();
     write_file(&args.output, &profile.to_bytes())?;
     report(args, &profile, &staged, context)
 }
 
-/// Records each batch from all threads; the sample does not depend on their order.
-fn record(args: &RecordArgs, seed: u64, staged: &Staged, accel: &Accel) -> Profile {
-    let plan = Plan { size: [args.size.width, args.size.height], seed: film_seed(seed), ..Plan::default() };
-    let recorder = Recorder::new(args.capacity, seed);
-    for batch in staged.shoot(args.mode, &plan).batches(accel) {
+/// Records each batch of a mode's rays from all threads; the sample does not depend on their order.
+pub(crate) fn record(staged: &Staged, mode: Mode, size: Size, capacity: usize, seed: u64, accel: &Accel) -> Profile {
+    let plan = Plan { size: [size.width, size.height], seed: film_seed(seed), ..Plan::default() };
+    let recorder = Recorder::new(capacity, seed);
+    for batch in staged.shoot(mode, &plan).batches(accel) {
         let RayBatch { class, query, rays } = batch;
         // An occluded ray ends at its nearest hit, so that takes a closest query too.
         rays.par_iter().for_each(|ray| recorder.record(ray, accel.closest(ray), query, class));

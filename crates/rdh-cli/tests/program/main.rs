@@ -1,6 +1,7 @@
 //! The program from outside: what it prints, writes, and how it ends.
 
 mod bench;
+mod cast;
 mod compare;
 mod rays;
 mod render;
@@ -8,4 +9,6 @@ mod report;
 mod run;
 mod scenes;
 mod study;
+mod trees;
+mod tune;
 mod usage;

@@ -8,7 +8,7 @@ use crate::run::{program, rdh};
 #[test]
 fn help_and_version_are_no_failure() {
     let help = rdh(&["--help"]).succeeded();
-    for command in ["bench", "compare", "scenes", "record", "rays", "render"] {
+    for command in ["bench", "build", "cast", "compare", "convert", "rays", "record", "render", "scenes", "verify"] {
         assert!(help.stdout.contains(command), "{}", help.stdout);
     }
     assert!(rdh(&["--version"]).succeeded().stdout.starts_with("rdh "));

@@ -14,7 +14,7 @@ use crate::scene::Kind;
 
 /// The scene that a text names: an embedded id (`balls4`), an id among `extra` (`country-kitchen`), a generator or an
 /// embedded id with parameters (`building(floors=6,seed=3)`, `balls4(resolution=4)`), or a path to an OBJ, PLY, STL,
-/// glTF or GLB file, which is read to place its views.
+/// glTF or GLB file or a saved tree, which is read to place its views.
 ///
 /// # Errors
 /// An unknown id, naming near ones; parameters that the generator refuses; a file that cannot be read.
@@ -74,7 +74,7 @@ fn file(path: &Path) -> Result<Entry> {
         kind: Kind::Open,
         triangles: scene.triangle_count(),
         about: String::new(),
-        views: overview(&scene),
+        views: if scene.views.is_empty() { overview(&scene) } else { scene.views },
         frames: 1,
         quick: false,
         source: Source::Files(Files::of(paths)),
@@ -86,7 +86,7 @@ fn unknown<'a>(text: &str, name: &str, entries: impl Iterator<Item = &'a Entry>)
     generate::names().for_each(|name| known.push(name));
     let near = near_names(name, &known);
     let hint = if near.is_empty() {
-        "`rdh scenes` lists them; a mesh file ends in .obj, .ply, .stl, .gltf or .glb".to_owned()
+        "`rdh scenes` lists them; a mesh file ends in .obj, .ply, .stl, .gltf or .glb, a saved tree in .rdh".to_owned()
     } else {
         format!("near names: {}", near.join(", "))
     };

@@ -18,6 +18,8 @@ mod origin;
 mod ply;
 mod stl;
 pub(crate) mod text;
+mod tree;
+mod write;
 
 use std::fs::File;
 use std::io::Read;
@@ -27,6 +29,7 @@ use crate::error::{Error, Result};
 use crate::scene::Scene;
 
 pub use inventory::{Row, inventory, mesh_files};
+pub use write::{WRITERS, Writer, write_file};
 
 /// A mesh file format.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +58,14 @@ pub const FORMATS: &[Format] = &[
     Format { name: "stl", about: "STL: ascii or binary", read: stl::read },
     Format { name: "gltf", about: "glTF 2.0 with external or embedded buffers", read: gltf::read },
     Format { name: "glb", about: "glTF 2.0 in one binary file", read: gltf::read },
+    Format { name: "rdh", about: "a saved tree: the mesh in it", read: tree::read },
 ];
+
+/// A scene of one mesh that comes from no file.
+pub(crate) fn place(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Result<Scene> {
+    let part = assemble::Part { positions, triangles, ..assemble::Part::default() };
+    assemble::assemble(vec![part], [0.0, 0.0, 1.0], Vec::new())
+}
 
 /// The format of a file, by its extension in any case.
 ///
@@ -112,7 +122,7 @@ pub fn read_files_at(paths: &[PathBuf], time_secs: Option<f64>) -> Result<Scene>
 }
 
 /// A regular file's bytes. Devices and pipes have no size to trust, and are refused.
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let failed = |e: std::io::Error| Error::whole(e.to_string()).in_file(path);
     // Asked before opening, since opening a pipe waits for its writer.
     let about = std::fs::metadata(path).map_err(failed)?;

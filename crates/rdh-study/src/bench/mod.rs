@@ -36,6 +36,7 @@ use crate::error::{Error, Result};
 use race::Race;
 
 pub use columns::Column;
+pub(crate) use columns::{Film, Frame};
 pub use log::Log;
 pub use plan::BenchPlan;
 pub use registry::{Form, Pace, Queries, Registration, known_engines};

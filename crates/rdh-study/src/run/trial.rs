@@ -77,6 +77,7 @@ impl Trial<'_> {
             mode: self.case.mode,
             class: batch.class,
             spec: tree.spec,
+            chosen: Some(stats.spec).filter(|&spec| spec != tree.spec),
             triangles: self.triangles,
             rays: batch.rays.len() as u64,
             hits: tally.hits,

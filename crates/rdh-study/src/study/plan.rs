@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use rdh::{BuildOptions, Query, Ray, RayClass, RaySample, Spec, Training};
 use rdh_scene::catalog;
+use rdh_scene::files::write_whole;
 use serde::{Deserialize, Serialize};
 
 use super::experiment::{self, EXPERIMENTS};
@@ -13,7 +14,6 @@ use super::lines::uniform_lines;
 use super::record::Job;
 use super::scope::Scope;
 use crate::error::{Error, Result};
-use crate::files::write_whole;
 use crate::integrate::{Mode, Stage};
 use crate::plan::Plan;
 

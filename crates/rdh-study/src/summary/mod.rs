@@ -204,6 +204,7 @@ mod tests {
             mode: Mode::Whitted,
             class,
             spec: spec.parse().unwrap(),
+            chosen: None,
             triangles: 12,
             rays: 100,
             hits: 50,

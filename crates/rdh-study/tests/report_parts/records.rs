@@ -20,6 +20,7 @@ pub(crate) fn row(job: &Job, class: RayClass, spec: &str, factor: f64) -> Row {
         mode: job.mode,
         class,
         spec,
+        chosen: None,
         triangles: (1000.0 * size) as usize,
         rays: 10_000,
         hits: 9_000,

@@ -8,9 +8,12 @@
 //! ```
 //! Invariant: the builder sees boxes, never a mesh.
 
+use std::ops::Range;
+
 use super::extent::Extent;
+use super::grown::{Grown, Parts};
 use super::split::{Centres, Search, Split};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::mem::reserve;
 use crate::options::Watch;
 
@@ -41,7 +44,7 @@ impl BinaryNode {
 
     /// A leaf's range of primitives.
     #[inline(always)]
-    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self) -> Range<usize> {
         let first = self.0.link as usize;
         first..first + self.0.count as usize
     }
@@ -52,15 +55,29 @@ impl BinaryNode {
         self.0.link as usize
     }
 
-    /// The same node where `more` primitives come before its own.
-    pub(crate) fn with_later_primitives(self, more: u32) -> Self {
-        if self.is_interior() { self } else { Self(self.0.with(self.0.link + more, self.0.count)) }
+    /// The same node in a list where so many nodes come before those of its own, and primitives before its own.
+    #[inline(always)]
+    pub(crate) fn after(self, nodes: u32, primitives: u32) -> Self {
+        let more = if self.is_interior() { nodes } else { primitives };
+        Self(self.0.with(self.0.link + more, self.0.count))
     }
+}
 
-    /// The same node in a list where all nodes have moved up.
-    fn moved(self, by: u32) -> Self {
-        if self.is_interior() { Self::interior(self.0, self.0.link + by) } else { self }
+/// Subtrees of at most so many nodes, in order, and the nodes above them: what several threads share out, the same for any number.
+pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    let mut todo = vec![0..nodes.len()];
+    while let Some(subtree) = todo.pop() {
+        let root = subtree.start;
+        if subtree.len() <= most || !nodes[root].is_interior() {
+            below.push(subtree);
+            continue;
+        }
+        above.push(root);
+        let right = nodes[root].right();
+        todo.extend([right..subtree.end, root + 1..right]);
     }
+    (above, below)
 }
 
 /// The deepest that a binary tree gets, in edges.
@@ -107,7 +124,8 @@ pub(crate) fn grow<C: Chooser>(
 ) -> Result<Vec<BinaryNode>> {
     let (extent, centres) = search.measure(primitives);
     let rays = chooser.root(&extent);
-    Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })
+    let parts = Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })?;
+    Ok(parts.join(search.parallel)?.nodes)
 }
 
 /// What stays the same for all nodes.
@@ -127,23 +145,22 @@ pub(crate) struct Node<R> {
 
 impl<C: Chooser> Grower<'_, C> {
     /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
-    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Vec<BinaryNode>> {
+    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Parts> {
         let n = primitives.len();
         if n <= OWN_ABOVE {
             let mut nodes = Vec::new();
             // Leaves are half full on average.
             reserve(&mut nodes, 4 * n / self.search.leaf + 1, "nodes")?;
             self.grow_in(&mut nodes, primitives, first, todo)?;
-            return Ok(nodes);
+            return Ok(Grown { nodes, ids: Vec::new() }.into());
         }
         self.watch.check_cancelled()?;
         let (left, [todo_left, todo_right]) = self.part(primitives, &todo);
         let (low, high) = primitives.split_at_mut(left);
         let grow_left = || self.grow(low, first, todo_left);
         let grow_right = || self.grow(high, first + left, todo_right);
-        let (l, r) =
-            if self.search.parallel { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
-        join(todo.extent, l?, r?)
+        let (l, r) = self.search.both(grow_left, grow_right);
+        Parts::over(todo.extent, l?, r?)
     }
 
     /// Small subtrees: one thread, one list.
@@ -208,21 +225,4 @@ impl<C: Chooser> Grower<'_, C> {
         let rays = self.chooser.descend(&todo.rays, &extent);
         Node { extent, centres, depth: todo.depth + 1, rays }
     }
-}
-
-/// A node over two lists.
-pub(crate) fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
-    let total = left.len() + right.len() + 1;
-    if total > u32::MAX as usize / 2 {
-        return Err(Error::OverBudget { what: "nodes", limit: u32::MAX as usize / 2 });
-    }
-    let (shift, n) = (1 + left.len() as u32, left.len());
-    reserve(&mut left, right.len() + 1, "nodes")?;
-    let node = BinaryNode::interior(extent, shift);
-    left.push(node);
-    left.copy_within(..n, 1);
-    left[0] = node;
-    left[1..=n].iter_mut().for_each(|node| *node = node.moved(1));
-    left.extend(right.into_iter().map(|node| node.moved(shift)));
-    Ok(left)
 }

@@ -1,15 +1,14 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
-use std::sync::Arc;
-
 use super::binary::{self, BinaryNode, ByArea};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
+use super::grown::Grown;
 use super::guided::ByRays;
-use super::layout::{self, Arrays};
+use super::layout::{Arrays, Draft};
 use super::link::Link;
 use super::order::Asker;
-use super::spatial::{self, Grown};
+use super::spatial;
 use super::split::Search;
 use super::{Bvh, BvhSpec, Effort, order, reinsert, visits};
 use crate::clip::TriangleClipper;
@@ -19,7 +18,7 @@ use crate::heuristic::{By, Rdh, Stages};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::{LANES, Level};
+use crate::simd::LANES;
 
 impl<const W: usize> Bvh<W> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
@@ -30,14 +29,16 @@ impl<const W: usize> Bvh<W> {
         check_size(mesh, options)?;
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
-        let bounds = mesh.bounds();
-        let scale = Scale::of(&bounds);
-        let bounds = scale.scaled(&bounds);
+        let in_mesh = mesh.bounds();
+        let scale = Scale::of(&in_mesh);
         let tracked = guide.map(|rdh| rdh.thinned(RAYS_TRACKED));
         let build = Build { mesh, spec, guide, tracked, options, scale, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let (masks, magnitude) = (mesh.masks().map(Arc::from), bounds.magnitude());
-        let tree = Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() };
+        let tree = Self {
+            tally,
+            level: options.level(),
+            ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array())
+        };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -127,10 +128,7 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        let mut primitives = Vec::new();
-        reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend((0..self.mesh.len() as u32).map(|id| Extent::new(&Aabb::around(&self.corners(id)), id, 0)));
-        Ok(primitives)
+        self.mesh.of_solid(self.is_parallel(), |tri| Extent::new(&Aabb::around(&self.corners(tri.0)), tri.0, 0))
     }
 
     fn search(&self) -> Search {
@@ -140,7 +138,7 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: Level::best(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
     }
 
     fn is_parallel(&self) -> bool {
@@ -156,9 +154,11 @@ impl Build<'_> {
             (None, _) => visits::by_area(&nodes)?,
         };
         self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| visits[i], self.watch)?;
+        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
         let order = self.order(&nodes, &ids, &cuts)?;
-        layout::lay_out(&nodes, &ids, &cuts, |i| order[i], |id| self.mesh.corners(TriId(id)), self.watch)
+        let (order, corners) = (|i: usize| order[i], |id| self.mesh.corners(TriId(id)));
+        let (parallel, watch) = (self.is_parallel(), self.watch);
+        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, corners, parallel, watch }.lay_out()
     }
 
     /// Any-hit rays take those children first that get the highest numbers here.

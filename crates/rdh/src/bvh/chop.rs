@@ -1,12 +1,12 @@
 //! Spatial splits: planes between bins of space, into which references are chopped.
 
 use super::extent::Extent;
-use super::split::tests;
-use crate::clip::Clipper;
+use super::split::{Search, tests};
+use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::{Aabb, Axis};
 use crate::mem::reserve;
-use crate::simd::{Job, Kernels, Portable};
+use crate::simd::{Four, Job, Kernels, Portable};
 
 /// The most bins an axis gets.
 const BINS: usize = 32;
@@ -97,11 +97,53 @@ enum Place {
     Both,
 }
 
-/// Finds the cheapest spatial split of a node's references. O(n + cuts).
+/// A node's references, to be split in space.
 pub(crate) struct Chop<'a, C> {
     pub(crate) references: &'a [Extent],
     pub(crate) extent: &'a Extent,
     pub(crate) clipper: &'a C,
+}
+
+/// References that one thread chops.
+const CHUNK: usize = 1 << 13;
+
+impl<C: Clipper> Chop<'_, C> {
+    /// The cheapest spatial split, if there is one. O(n + cuts).
+    pub(crate) fn best(&self, search: &Search) -> Option<SpatialSplit> {
+        let mut best = None;
+        for axis in Axis::ALL {
+            let slabs = Slabs::new(&self.extent.bounds(), axis, self.references.len());
+            if slabs.per_width.is_finite() {
+                let bins = self.fill_all(search, &slabs);
+                best = search.level.run(Cheapest { bins: &bins, slabs: &slabs, best });
+            }
+        }
+        best
+    }
+
+    fn fill_all(&self, search: &Search, slabs: &Slabs) -> [Bin; BINS] {
+        let &Self { references, clipper, extent } = self;
+        if !search.parallel || references.len() <= 2 * CHUNK {
+            return search.level.run(Fill { references, clipper, slabs });
+        }
+        let (low, high) = references.split_at(references.len() / 2);
+        let half = |references| Self { references, extent, clipper }.fill_all(search, slabs);
+        let (mut bins, others) = search.both(|| half(low), || half(high));
+        // Minima and sums of integers: any order gives the same.
+        for (bin, other) in bins.iter_mut().zip(&others) {
+            bin.extent.grow::<Portable>(&other.extent);
+            bin.entries += other.entries;
+            bin.exits += other.exits;
+        }
+        bins
+    }
+}
+
+/// Chops references along an axis.
+struct Fill<'a, C> {
+    references: &'a [Extent],
+    clipper: &'a C,
+    slabs: &'a Slabs,
 }
 
 /// Space between two planes: the box of the parts in it, how many references begin in it and how many end.
@@ -112,43 +154,52 @@ struct Bin {
     exits: u32,
 }
 
-impl<C: Clipper> Job for Chop<'_, C> {
-    type Output = Option<SpatialSplit>;
-
+impl Bin {
+    /// Takes in a part between two planes across an axis, if there is any.
     #[inline(always)]
-    fn run<K: Kernels>(self) -> Option<SpatialSplit> {
-        let bounds = self.extent.bounds();
-        let mut best: Option<SpatialSplit> = None;
-        for axis in [Axis::X, Axis::Y, Axis::Z] {
-            let slabs = Slabs::new(&bounds, axis, self.references.len());
-            if slabs.per_width.is_finite() {
-                let bins = self.fill::<K>(&slabs);
-                best = cheapest::<K>(&bins, &slabs, best);
-            }
+    fn grow<K: Kernels>(&mut self, part: Slice, axis: Axis, (from, to): (f32, f32)) {
+        // Zeros lose their sign, as in `Extent::new`.
+        let min = (part.min + Four::splat(0.0)).to_point();
+        let negated_max = (Four::splat(0.0) - part.max).to_point();
+        let mut extent = Extent { min, link: 0, negated_max, count: 0 };
+        (extent.min[axis.index()], extent.negated_max[axis.index()]) = (from, 0.0 - to);
+        if !extent.is_empty() {
+            self.extent.grow::<K>(&extent);
         }
-        best
     }
 }
 
-impl<C: Clipper> Chop<'_, C> {
+/// A reference's box, in lanes.
+#[inline(always)]
+fn slice_of(reference: &Extent) -> Slice {
+    Slice { min: Four::point(reference.min), max: Four::splat(0.0) - Four::point(reference.negated_max) }
+}
+
+impl<C: Clipper> Job for Fill<'_, C> {
+    type Output = [Bin; BINS];
+
     #[inline(always)]
-    fn fill<K: Kernels>(&self, slabs: &Slabs) -> [Bin; BINS] {
+    fn run<K: Kernels>(self) -> [Bin; BINS] {
+        let slabs = self.slabs;
         let mut bins = [Bin { extent: Extent::EMPTY, entries: 0, exits: 0 }; BINS];
         let a = slabs.axis.index();
         for reference in self.references {
-            let (first, last) = (slabs.bin_of(reference.min[a]), slabs.bin_of(-reference.negated_max[a]));
+            let (from, to) = (reference.min[a], -reference.negated_max[a]);
+            let (first, last) = (slabs.bin_of(from), slabs.bin_of(to));
             bins[first].entries += 1;
             bins[last].exits += 1;
-            let mut rest = *reference;
-            for (bin, slab) in bins[first..last].iter_mut().zip(first..) {
-                let (part, after) = self.clipper.split(reference.link, &rest.bounds(), slabs.axis, slabs.plane(slab));
-                if !part.is_empty() {
-                    bin.extent.grow::<K>(&Extent::new(&part, 0, 0));
-                }
-                rest = Extent::new(&after, 0, 0);
+            if first == last {
+                bins[first].extent.grow::<K>(reference);
+                continue;
             }
-            if !rest.bounds().is_empty() {
-                bins[last].extent.grow::<K>(&rest);
+            let (whole, slope) = (slice_of(reference), self.clipper.slope(reference.link, slabs.axis));
+            let mut before = (from, slope.section(from));
+            for (bin, slab) in bins[first..=last].iter_mut().zip(first..) {
+                let plane = if slab == last { to } else { slabs.plane(slab) };
+                let after = (plane, slope.section(plane));
+                let part = slope.between(before, after).intersection(whole);
+                bin.grow::<K>(part, slabs.axis, (before.0, plane));
+                before = after;
             }
         }
         bins
@@ -182,6 +233,21 @@ impl Slabs {
     #[inline(always)]
     fn plane(&self, slab: usize) -> f32 {
         self.first + (slab + 1) as f32 * self.width
+    }
+}
+
+struct Cheapest<'a> {
+    bins: &'a [Bin; BINS],
+    slabs: &'a Slabs,
+    best: Option<SpatialSplit>,
+}
+
+impl Job for Cheapest<'_> {
+    type Output = Option<SpatialSplit>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<SpatialSplit> {
+        cheapest::<K>(self.bins, self.slabs, self.best)
     }
 }
 

@@ -11,9 +11,11 @@
 //! ```
 //! `visits` are areas, or the measured visits of a profile.
 
-use super::binary::BinaryNode;
+use rayon::prelude::*;
+
+use super::binary::{BinaryNode, subtrees};
 use crate::error::Result;
-use crate::mem::reserve;
+use crate::mem::zeroed;
 use crate::options::Watch;
 use crate::simd::LANES;
 
@@ -25,65 +27,61 @@ pub(crate) struct Costs {
 }
 
 /// The way to cut a binary tree into wide nodes of up to `W` children.
-pub(crate) struct Cuts<const W: usize> {
-    cuts: Vec<Cut<W>>,
-    /// How many references each subtree has.
-    counts: Vec<u32>,
-}
+pub(crate) struct Cuts<const W: usize>(Vec<Cut<W>>);
 
 /// How a subtree is cut, for each number of roots.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
 struct Cut<const W: usize> {
+    /// What it costs as up to k roots (element k − 1).
+    forest: [f32; W],
     /// For up to k roots (element k − 1): how many of them go to the left child; 0: it stays whole.
     left: [u8; W],
     /// Whether it becomes one leaf if it stays whole.
     leaf: bool,
+    /// How many references it has.
+    count: u32,
 }
+
+/// Subtrees of so many nodes are cut by one thread each.
+const AT_ONCE: usize = 1 << 13;
 
 impl<const W: usize> Cuts<W> {
     /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. O(N W²).
     pub(crate) fn cheapest(
         nodes: &[BinaryNode],
         costs: Costs,
-        visits: impl Fn(usize) -> f32,
+        visits: impl Fn(usize) -> f32 + Sync,
+        parallel: bool,
         watch: &Watch<'_>,
     ) -> Result<Self> {
-        let (mut cuts, mut forests, mut counts) = (Vec::new(), Vec::new(), Vec::new());
-        reserve(&mut cuts, nodes.len(), "cuts")?;
-        reserve(&mut forests, nodes.len(), "cuts")?;
-        reserve(&mut counts, nodes.len(), "cuts")?;
-        cuts.resize(nodes.len(), Cut { left: [0; W], leaf: true });
-        forests.resize(nodes.len(), [0.0f32; W]);
-        counts.resize(nodes.len(), 0u32);
-        // In preorder children come after their parents: backwards they are done first.
-        for (i, node) in nodes.iter().enumerate().rev() {
-            watch.check_at(i)?;
-            let weight = visits(i);
-            let test = weight * costs.test;
-            if !node.is_interior() {
-                counts[i] = node.0.count;
-                forests[i] = [test * node.0.count.div_ceil(LANES as u32) as f32; W];
-                continue;
-            }
-            let (l, r) = (i + 1, node.right());
-            counts[i] = counts[l].saturating_add(counts[r]);
-            let (parts, lefts) = share(&forests[l], &forests[r]);
-            let whole = weight * costs.node + parts[W - 1];
-            let leaf = counts[i] as usize <= LANES && test <= whole;
-            let (mut forest, mut left) = ([if leaf { test } else { whole }; W], [0; W]);
-            left[W - 1] = lefts[W - 1];
-            for k in 1..W - 1 {
-                (forest[k], left[k]) = (forest[k - 1], 0);
-                if parts[k] < forest[k] {
-                    (forest[k], left[k]) = (parts[k], lefts[k]);
-                } else if left[k - 1] != 0 {
-                    // As with one root fewer.
-                    left[k] = left[k - 1];
-                }
-            }
-            (forests[i], cuts[i]) = (forest, Cut { left, leaf });
+        let mut cuts: Vec<Cut<W>> = zeroed(nodes.len(), "cuts")?;
+        let (above, below) = subtrees(nodes, AT_ONCE);
+        let (mut pieces, mut rest, mut done) = (Vec::with_capacity(below.len()), &mut cuts[..], 0);
+        for subtree in below {
+            let (piece, after) = rest[subtree.start - done..].split_at_mut(subtree.len());
+            (rest, done) = (after, subtree.end);
+            pieces.push((subtree.start, piece));
         }
-        Ok(Self { cuts, counts })
+        // In preorder children come after their parents: backwards they are done first.
+        let cut_all = |(first, cuts): (usize, &mut [Cut<W>])| {
+            for i in (0..cuts.len()).rev() {
+                let node = first + i;
+                watch.check_at(node)?;
+                let below = |child: usize| &cuts[child - first];
+                cuts[i] = Cut::of(&nodes[node], visits(node), costs, || [below(node + 1), below(nodes[node].right())]);
+            }
+            Ok(())
+        };
+        if parallel {
+            pieces.into_par_iter().try_for_each(cut_all)?;
+        } else {
+            pieces.into_iter().try_for_each(cut_all)?;
+        }
+        for &node in above.iter().rev() {
+            let children = || [&cuts[node + 1], &cuts[nodes[node].right()]];
+            cuts[node] = Cut::of(&nodes[node], visits(node), costs, children);
+        }
+        Ok(Self(cuts))
     }
 
     /// The binary nodes that become the children of a wide node made of `node`, in order.
@@ -95,7 +93,7 @@ impl<const W: usize> Cuts<W> {
         while waiting > 0 {
             waiting -= 1;
             let (node, k) = todo[waiting];
-            let left = usize::from(self.cuts[node].left[k - 1]);
+            let left = usize::from(self.0[node].left[k - 1]);
             if !nodes[node].is_interior() || (!first && (k == 1 || left == 0)) {
                 children[n] = node;
                 n += 1;
@@ -111,12 +109,41 @@ impl<const W: usize> Cuts<W> {
 
     /// The references below a node.
     pub(crate) fn count(&self, node: usize) -> u32 {
-        self.counts[node]
+        self.0[node].count
     }
 
     /// Whether a node that stays whole becomes a leaf.
     pub(crate) fn is_leaf(&self, nodes: &[BinaryNode], node: usize) -> bool {
-        !nodes[node].is_interior() || self.cuts[node].leaf
+        !nodes[node].is_interior() || self.0[node].leaf
+    }
+}
+
+impl<const W: usize> Cut<W> {
+    /// How a node is cut that is visited with some weight; asks for its children's cuts if it has some.
+    #[inline(always)]
+    fn of<'a>(node: &BinaryNode, weight: f32, costs: Costs, children: impl FnOnce() -> [&'a Self; 2]) -> Self {
+        let test = weight * costs.test;
+        if !node.is_interior() {
+            let count = node.0.count;
+            return Self { forest: [test * count.div_ceil(LANES as u32) as f32; W], left: [0; W], leaf: true, count };
+        }
+        let [l, r] = children();
+        let count = l.count.saturating_add(r.count);
+        let (parts, lefts) = share(&l.forest, &r.forest);
+        let whole = weight * costs.node + parts[W - 1];
+        let leaf = count as usize <= LANES && test <= whole;
+        let (mut forest, mut left) = ([if leaf { test } else { whole }; W], [0; W]);
+        left[W - 1] = lefts[W - 1];
+        for k in 1..W - 1 {
+            (forest[k], left[k]) = (forest[k - 1], 0);
+            if parts[k] < forest[k] {
+                (forest[k], left[k]) = (parts[k], lefts[k]);
+            } else if left[k - 1] != 0 {
+                // As with one root fewer.
+                left[k] = left[k - 1];
+            }
+        }
+        Self { forest, left, leaf, count }
     }
 }
 

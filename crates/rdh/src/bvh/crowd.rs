@@ -17,6 +17,9 @@ use crate::simd::Portable;
 /// So many rays of a node, a random sub-sample, say what a move around it saves.
 const MOST: usize = 256;
 
+/// So many are kept of all nodes together: where everything overlaps, the last nodes have none.
+const MOST_IN_ALL: usize = 1 << 22;
+
 /// The sampled rays that meet each node of a tree, as it was before its nodes move.
 pub(crate) struct Crowd<'a> {
     rdh: &'a Rdh,
@@ -48,7 +51,8 @@ impl<'a> Crowd<'a> {
         ranges.resize(nodes.len(), (0, 0));
         let chances = visits::measure(nodes, rdh, watch, |node, of_node| {
             let first = rays.len() as u32;
-            rays.extend(of_node.rays().take(MOST));
+            let room = MOST_IN_ALL - rays.len();
+            rays.extend(of_node.rays().take(MOST.min(room)));
             ranges[node] = (first, rays.len() as u32);
         })?;
         Ok(Self { rdh, chances, ranges, rays })

@@ -48,6 +48,12 @@ impl Extent {
         x * y + y * z + z * x
     }
 
+    /// Whether it holds no point at all.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        (0..3).any(|a| self.min[a] > -self.negated_max[a])
+    }
+
     /// Twice the centre.
     #[inline(always)]
     pub(crate) fn doubled_centre(&self) -> Vec3 {

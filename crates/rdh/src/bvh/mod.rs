@@ -1,8 +1,9 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
-//! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it; `visits` says how often rays come to each node,
-//! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
+//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`, `sweep`) or by sampled rays
+//! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it, for rays as `crowd` counts
+//! them; `visits` says how often rays come to each node, `collapse` cuts it into wide nodes, `order` says which child any-hit rays try
+//! first, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
 
 mod binary;
@@ -12,6 +13,7 @@ mod chop;
 mod collapse;
 mod crowd;
 mod extent;
+mod grown;
 mod guided;
 mod layout;
 mod link;
@@ -20,18 +22,21 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod sweep;
 mod trace;
 mod visits;
 
 pub use layout::Tally;
-pub use spec::{BvhSpec, Effort, Width};
-
-use std::sync::Arc;
+pub use spec::{BvhSpec, Effort, SplitSearch, Width};
 
 use link::Link;
 
+use crate::error::Result;
 use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::leaf;
+use crate::mem::{Array, bytes_of};
+use crate::mesh::Mesh;
+use crate::parts::{Part, Parts, Written};
 use crate::probe::Probe;
 use crate::simd::{Block, Boxes, Level};
 
@@ -42,9 +47,9 @@ pub struct Bvh<const W: usize> {
     /// In scaled space, like all boxes.
     bounds: Aabb,
     magnitude: f32,
-    nodes: Vec<Boxes<W>>,
-    blocks: Vec<Block>,
-    masks: Option<Arc<[u32]>>,
+    nodes: Array<Boxes<W>>,
+    blocks: Array<Block>,
+    masks: Option<Array<u32>>,
     tally: Tally,
     level: Level,
 }
@@ -54,6 +59,30 @@ pub struct Bvh<const W: usize> {
 pub(crate) const RAYS_COUNTED: u32 = 256;
 
 impl<const W: usize> Bvh<W> {
+    /// With nothing counted yet.
+    fn of_arrays(in_mesh: &Aabb, nodes: Array<Boxes<W>>, blocks: Array<Block>, masks: Option<Array<u32>>) -> Self {
+        let scale = Scale::of(in_mesh);
+        let bounds = scale.scaled(in_mesh);
+        let (magnitude, tally) = (bounds.magnitude(), Tally::default());
+        Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() }
+    }
+
+    /// Its arrays, to be saved.
+    pub(crate) fn parts(&self) -> Vec<Written<'_>> {
+        vec![Written::new(Part::Nodes, &self.nodes), Written::new(Part::Blocks, &self.blocks)]
+    }
+
+    /// The tree that saved arrays make, once they are known to be one over this mesh. O(nodes + blocks).
+    ///
+    /// # Errors
+    /// [`Error::Format`](crate::Error::Format) at the first fault, or lack of memory.
+    pub(crate) fn from_parts(parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
+        let (nodes, blocks) = (parts.get(Part::Nodes)?, parts.get(Part::Blocks)?);
+        let tree = Self::of_arrays(&mesh.bounds(), nodes, blocks, mesh.mask_array());
+        let tally = tree.tally_checked(mesh).map_err(|(place, fault)| parts.error(place, fault.0))?;
+        Ok(Self { tally, ..tree })
+    }
+
     /// The same tree, traced with other instructions: for tests and measurements. The answers are the same.
     pub fn with_level(self, level: Level) -> Self {
         Self { level, ..self }
@@ -69,6 +98,16 @@ impl<const W: usize> Bvh<W> {
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         self.level.run(trace::Walk::<_, leaf::Any, W> { tree: self, ray, probe, start: () })
+    }
+
+    /// The nearest hit that `passes`.
+    pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
+    /// Whether there is a hit that `passes`.
+    pub fn occluded_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
     }
 
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
@@ -113,8 +152,8 @@ impl<const W: usize> Bvh<W> {
     /// A hash of all arrays: equal for equal trees.
     pub fn fingerprint(&self) -> u64 {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
-        hash.update(Boxes::bytes(&self.nodes));
-        hash.update(bytemuck::cast_slice(&self.blocks));
+        hash.update(bytes_of(&self.nodes));
+        hash.update(bytes_of(&self.blocks));
         hash.digest()
     }
 }

@@ -21,6 +21,8 @@ pub(crate) const ROUNDS: usize = 8;
 const SHARE: usize = 4;
 /// Below nodes that fewer sampled rays visit nothing is moved for their sake.
 const FEW: usize = 4;
+/// Nodes whose areas one thread adds up.
+const CHUNK: usize = 1 << 14;
 
 /// A tree of the same leaves that costs less, or the same tree. O(rounds · N · nodes searched).
 pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
@@ -29,7 +31,7 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
     }
     let (mut tree, mut before) = (Tree::new(&nodes)?, Tree::new(&nodes)?);
     let mut round = Round::new(nodes.len())?;
-    let mut cost = tree.cost();
+    let mut cost = tree.cost(parallel);
     for _ in 0..ROUNDS {
         watch.check_cancelled()?;
         before.copy_from(&tree);
@@ -37,7 +39,7 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
             break;
         }
         // Each move gains by itself; what several of them do to the same ancestors was not asked.
-        let now = tree.cost();
+        let now = tree.cost(parallel);
         if now >= cost || tree.depth() > DEEPEST {
             tree = before;
             break;
@@ -97,9 +99,12 @@ pub(crate) struct Move {
     gain: f32,
 }
 
+/// A node that is searched a place for, the one with the largest box first.
+type Candidate = (std::cmp::Reverse<u32>, u32);
+
 /// What a round needs memory for.
 struct Round {
-    candidates: Vec<u32>,
+    candidates: Vec<Candidate>,
     moves: Vec<Move>,
     /// The nodes that a move has changed or relied on.
     touched: Vec<bool>,
@@ -136,10 +141,17 @@ impl Tree {
         self.links.copy_from_slice(&other.links);
     }
 
-    /// The sum of the interior nodes' half areas.
-    fn cost(&self) -> f64 {
-        let interiors = self.links.iter().zip(&self.extents).filter(|(links, _)| links.children[0] != 0);
-        interiors.map(|(_, extent)| f64::from(extent.half_area())).sum()
+    /// The sum of the interior nodes' half areas: chunk by chunk, so that it is the same on any number of threads.
+    fn cost(&self, parallel: bool) -> f64 {
+        let sum = |(links, extents): (&[Links], &[Extent])| -> f64 {
+            let interiors = links.iter().zip(extents).filter(|(links, _)| links.children[0] != 0);
+            interiors.map(|(_, extent)| f64::from(extent.half_area())).sum()
+        };
+        if parallel {
+            let chunks = self.links.par_chunks(CHUNK).zip(self.extents.par_chunks(CHUNK));
+            return chunks.map(sum).collect::<Vec<f64>>().iter().sum();
+        }
+        self.links.chunks(CHUNK).zip(self.extents.chunks(CHUNK)).map(sum).sum()
     }
 
     /// Searches and moves once, by areas or where it pays for a crowd of rays; whether anything moved.
@@ -151,7 +163,7 @@ impl Tree {
         watch: &Watch<'_>,
     ) -> Result<bool> {
         let Round { candidates, moves, touched } = round;
-        self.choose_candidates(crowd, candidates);
+        self.choose_candidates(crowd, candidates, parallel);
         self.search(crowd, candidates, moves, parallel, watch)?;
         touched.fill(false);
         let mut any = false;
@@ -172,13 +184,13 @@ impl Tree {
     fn search(
         &self,
         crowd: Option<&Crowd<'_>>,
-        candidates: &[u32],
+        candidates: &[Candidate],
         moves: &mut Vec<Move>,
         parallel: bool,
         watch: &Watch<'_>,
     ) -> Result<()> {
         moves.clear();
-        moves.extend(candidates.iter().map(|&node| Move { node, to: node, gain: 0.0 }));
+        moves.extend(candidates.iter().map(|&(_, node)| Move { node, to: node, gain: 0.0 }));
         let search = |moves: &mut [Move]| {
             watch.check_cancelled()?;
             for best in moves {
@@ -195,7 +207,13 @@ impl Tree {
             moves.chunks_mut(Watch::STEPS).try_for_each(search)?;
         }
         moves.retain(|step| self.is_worth_a_move(step));
-        moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
+        // No two are equal: any sort gives the same.
+        let order = |a: &Move, b: &Move| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node));
+        if parallel {
+            moves.par_sort_unstable_by(order)
+        } else {
+            moves.sort_unstable_by(order)
+        }
         Ok(())
     }
 
@@ -206,21 +224,28 @@ impl Tree {
 
     /// The nodes with the largest boxes, but for the root and its children; or all whose parents are visited: what is moved away from there
     /// need not be visited itself.
-    fn choose_candidates(&self, crowd: Option<&Crowd<'_>>, candidates: &mut Vec<u32>) {
+    fn choose_candidates(&self, crowd: Option<&Crowd<'_>>, candidates: &mut Vec<Candidate>, parallel: bool) {
+        let candidate = |node: u32| {
+            let area = std::cmp::Reverse(self.area(node).to_bits());
+            let is_visited = crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
+            (self.parent(node) != 0 && is_visited).then_some((area, node))
+        };
+        let nodes = 1..self.links.len() as u32;
         candidates.clear();
-        let is_visited = |node: u32| crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
-        let all = 1..self.links.len() as u32;
-        candidates.extend(all.filter(|&node| self.parent(node) != 0 && is_visited(node)));
+        if parallel {
+            candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
+        } else {
+            candidates.extend(nodes.filter_map(candidate));
+        }
         if crowd.is_some() {
             return;
         }
-        let key = |&node: &u32| (std::cmp::Reverse(self.area(node).to_bits()), node);
         let most = candidates.len().div_ceil(SHARE);
         if most < candidates.len() {
-            candidates.select_nth_unstable_by_key(most, key);
+            candidates.select_nth_unstable(most);
             candidates.truncate(most);
         }
-        candidates.sort_unstable();
+        candidates.sort_unstable_by_key(|&(_, node)| node);
     }
 
     /// The lowest node above both ends of a move.
@@ -330,8 +355,16 @@ impl Tree {
         self.replace_child(above, to, parent);
         self.links[parent as usize].children = [to, node];
         self.links[to as usize].parent = parent;
+        self.extents[parent as usize] = self.union_of_children(parent);
         self.refit(grandparent);
-        self.refit(parent);
+        self.refit(above);
+    }
+
+    fn union_of_children(&self, node: u32) -> Extent {
+        let [left, right] = self.links[node as usize].children;
+        let mut both = self.extents[left as usize];
+        both.grow::<Portable>(&self.extents[right as usize]);
+        both
     }
 
     fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
@@ -343,14 +376,13 @@ impl Tree {
         self.links[new as usize].parent = parent;
     }
 
-    /// Boxes from a node up to the root.
+    /// Boxes from a node up, as far as they change.
     fn refit(&mut self, mut node: u32) {
         loop {
-            let [left, right] = self.links[node as usize].children;
-            let mut both = self.extents[left as usize];
-            both.grow::<Portable>(&self.extents[right as usize]);
+            let (both, old) = (self.union_of_children(node), self.extents[node as usize]);
             self.extents[node as usize] = both;
-            if node == 0 {
+            let is_same = (both.min, both.negated_max) == (old.min, old.negated_max);
+            if node == 0 || is_same {
                 return;
             }
             node = self.links[node as usize].parent;

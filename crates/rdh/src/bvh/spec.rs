@@ -9,6 +9,8 @@ pub struct BvhSpec {
     pub width: Width,
     /// How much work goes into the build.
     pub effort: Effort,
+    /// Where primitives may be parted.
+    pub split: SplitSearch,
     /// Whether primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
     pub spatial: bool,
 }
@@ -35,4 +37,25 @@ pub enum Effort {
     Default,
     /// Nodes are moved about afterwards, where that makes the tree cheaper: for scenes that stay.
     High,
+}
+
+impl Width {
+    /// The number of children.
+    pub(crate) fn children(self) -> u32 {
+        match self {
+            Self::Two => 2,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
+}
+
+/// Where the primitives of a node may be parted, along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SplitSearch {
+    /// Between bins of their centres: O(N log N), and nearly as good. Recommended.
+    #[default]
+    Binned,
+    /// Between any two of them: O(N log² N). For `sah` alone.
+    Sweep,
 }

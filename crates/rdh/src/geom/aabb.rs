@@ -30,9 +30,14 @@ impl Aabb {
         self
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both, either of which may be empty.
     pub fn union(&self, other: &Self) -> Self {
-        self.with(other.min).with(other.max)
+        let mut out = *self;
+        for a in 0..3 {
+            out.min[a] = self.min[a].min(other.min[a]);
+            out.max[a] = self.max[a].max(other.max[a]);
+        }
+        out
     }
 
     /// What both have in common.
@@ -44,6 +49,11 @@ impl Aabb {
             out.max[a] = self.max[a].min(other.max[a]);
         }
         out
+    }
+
+    /// Whether another box lies in this one, and is none that holds nothing or has a NaN.
+    pub(crate) fn holds(&self, other: &Self) -> bool {
+        (0..3).all(|a| self.min[a] <= other.min[a] && other.min[a] <= other.max[a] && other.max[a] <= self.max[a])
     }
 
     /// Whether it holds no point at all.

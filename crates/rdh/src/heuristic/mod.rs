@@ -17,6 +17,7 @@ pub use spec::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 
 use crate::geom::{Aabb, Axis};
 use crate::rays::Training;
+use crate::simd::Level;
 
 /// The chances that a ray in a node visits its left and its right child. Their sum is at least 1 for a plane inside
 /// the node, since a ray may visit both.
@@ -75,10 +76,11 @@ pub trait Heuristic: Sync {
     fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]);
 }
 
-/// The heuristic that a spec names, trained on some rays. `scale` is the factor of the structure's space.
-pub(crate) fn from_spec(spec: &HeuristicSpec, rays: &Training, scale: f32) -> Box<dyn Heuristic> {
+/// The heuristic that a spec names, trained on some rays, which are counted with some instructions. `scale` is the factor of the
+/// structure's space.
+pub(crate) fn from_spec(spec: &HeuristicSpec, rays: &Training, scale: f32, level: Level) -> Box<dyn Heuristic> {
     match spec {
         HeuristicSpec::Sah => Box::new(Sah),
-        HeuristicSpec::Rdh(spec) => Box::new(Rdh::new(spec, rays, scale)),
+        HeuristicSpec::Rdh(spec) => Box::new(Rdh::new(spec, rays, scale).with_level(level)),
     }
 }

@@ -94,6 +94,11 @@ impl Rdh {
         Self { lines: self.lines[..most.min(self.lines.len())].to_vec(), ..*self }
     }
 
+    /// The same, counted with other instructions.
+    pub(crate) fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
     /// The rays that are counted in a node: all, or the first few, which are a random sub-sample.
     fn counted<'a>(&self, rays: &'a NodeRays) -> &'a [Span] {
         let n = rays.spans.len();

@@ -74,6 +74,19 @@ impl Branches {
         Ok((leaf, count))
     }
 
+    /// How many nodes there are in each subtree: at its root, the last of them.
+    pub(crate) fn sizes(&self) -> Result<Vec<u32>> {
+        let mut sizes: Vec<u32> = Vec::new();
+        reserve(&mut sizes, self.nodes.len(), "nodes")?;
+        for branch in &self.nodes {
+            sizes.push(match branch {
+                Branch::Leaf { .. } => 1,
+                Branch::Interior { children: [a, b], .. } => 1 + sizes[*a as usize] + sizes[*b as usize],
+            });
+        }
+        Ok(sizes)
+    }
+
     /// Adds another part's nodes; returns by how much their indices have grown.
     pub(crate) fn append(&mut self, other: &Self) -> Result<u32> {
         Self::limit("nodes", self.nodes.len() + other.nodes.len(), u32::MAX as usize)?;

@@ -2,22 +2,37 @@
 
 use super::node::{Node, NodeKind};
 use super::reference::Reference;
-use super::{KdTree, references};
+use super::stop::StopRule;
+use super::{KdTree, Tally, references};
 use crate::clip::{TriangleClipper, split_triangle};
 use crate::fault::{Fault, Faults};
-use crate::geom::{Aabb, RayFrame, TriId, Vec3};
+use crate::geom::{Aabb, RayFrame, Vec3};
 use crate::mesh::Mesh;
+use crate::parts::{Part, Place};
+use crate::simd::LANES;
 
 impl KdTree {
     /// All faults of the tree over its mesh, at most 100: links, depth, planes inside their cells, ids and copies of triangles, and
     /// that no triangle is missing from a cell it reaches into. O(references · depth).
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
-        let mut check = Check { tree: self, mesh, faults: Faults::default(), seen: vec![false; self.pairs().len()] };
+        let mut check = Check::new(self, mesh);
         check.structure();
-        if check.faults.0.is_empty() {
+        if check.faults.is_empty() && check.tally != self.tally {
+            check.faults.add(ROOT, format!("the tree is {:?}, not {:?}", check.tally, self.tally));
+        }
+        if check.faults.is_empty() {
             check.completeness();
         }
-        check.faults.0
+        check.faults.all()
+    }
+
+    /// The tally, if rays can be sent through the tree without harm, whoever made it: all that [`Self::check`] finds but missing
+    /// triangles. O(nodes + blocks).
+    pub(super) fn tally_checked(&self, mesh: &Mesh) -> Result<Tally, (Place, Fault)> {
+        let mut check = Check::new(self, mesh);
+        check.structure();
+        let tally = check.tally;
+        check.faults.first().map_or(Ok(tally), Err)
     }
 }
 
@@ -27,32 +42,55 @@ struct Check<'a> {
     faults: Faults,
     /// Pairs that a parent has claimed.
     seen: Vec<bool>,
+    /// What has been found.
+    tally: Tally,
 }
 
-impl Check<'_> {
-    fn fault(&mut self, what: String) {
-        self.faults.add(what);
+/// A node to be looked at.
+struct Visit {
+    node: Node,
+    place: Place,
+    cell: Aabb,
+    depth: usize,
+}
+
+const ROOT: Place = Place { part: Part::Root, byte: 0 };
+
+impl<'a> Check<'a> {
+    fn new(tree: &'a KdTree, mesh: &'a Mesh) -> Self {
+        let seen = vec![false; tree.pairs().len()];
+        Self { tree, mesh, faults: Faults::default(), seen, tally: Tally::default() }
     }
 
     fn structure(&mut self) {
-        let mut todo = vec![(self.tree.root, self.tree.bounds, 0usize)];
-        while let Some((node, cell, depth)) = todo.pop() {
-            if depth > self.tree.tally.depth {
-                self.fault(format!("a node lies at depth {depth}, below the tree's {}", self.tree.tally.depth));
+        self.faults.check_blocks(&self.tree.blocks, self.mesh);
+        let mut todo = vec![Visit { node: self.tree.root, place: ROOT, cell: self.tree.bounds, depth: 0 }];
+        while let Some(visit) = todo.pop() {
+            if self.faults.is_full() {
+                return;
             }
-            match node.kind() {
-                NodeKind::Leaf { block, lane, count } => self.leaf(block, lane, count),
-                NodeKind::Interior { axis, split, pair } => {
-                    let a = axis.index();
-                    if !(split >= cell.min[a] && split <= cell.max[a]) {
-                        self.fault(format!("plane {split} of axis {a} lies outside its cell {cell:?}"));
-                    }
-                    if !self.claim(pair as usize) {
-                        continue;
-                    }
+            self.visit(&visit, &mut todo);
+        }
+    }
+
+    fn visit(&mut self, &Visit { node, place, cell, depth }: &Visit, todo: &mut Vec<Visit>) {
+        self.tally.depth = self.tally.depth.max(depth);
+        if depth > StopRule::DEEPEST as usize {
+            return self.faults.add(place, format!("a node at depth {depth}; the deepest is {}", StopRule::DEEPEST));
+        }
+        match node.kind() {
+            NodeKind::Leaf { block, lane, count } => self.leaf(place, block, lane, count),
+            NodeKind::Interior { axis, split, pair } => {
+                let a = axis.index();
+                if !(split >= cell.min[a] && split <= cell.max[a]) {
+                    self.faults.add(place, format!("plane {split} of axis {a} lies outside its cell {cell:?}"));
+                }
+                if self.claim(place, pair as usize) {
                     let (left, right) = cell.split(axis, split);
-                    todo.push((self.child(pair, 0), left, depth + 1));
-                    todo.push((self.child(pair, 1), right, depth + 1));
+                    for (side, cell) in [left, right].into_iter().enumerate() {
+                        let place = Place::of::<Node>(Part::Nodes, 2 * pair as usize + side);
+                        todo.push(Visit { node: self.child(pair, side), place, cell, depth: depth + 1 });
+                    }
                 }
             }
         }
@@ -63,10 +101,10 @@ impl Check<'_> {
     }
 
     /// Each pair has one parent, so the links make a tree.
-    fn claim(&mut self, pair: usize) -> bool {
+    fn claim(&mut self, parent: Place, pair: usize) -> bool {
         match self.seen.get_mut(pair) {
-            None => self.fault(format!("pair {pair} is out of range")),
-            Some(seen) if *seen => self.fault(format!("pair {pair} has two parents")),
+            None => self.faults.add(parent, format!("pair {pair} is out of range")),
+            Some(seen) if *seen => self.faults.add(parent, format!("pair {pair} has two parents")),
             Some(seen) => {
                 *seen = true;
                 return true;
@@ -75,35 +113,37 @@ impl Check<'_> {
         false
     }
 
-    fn leaf(&mut self, block: u32, lane: u32, count: u32) {
-        for i in 0..count as usize {
-            let at = lane as usize + i;
-            let Some(block) = self.tree.blocks.get(block as usize + at / 8) else {
-                return self.fault(format!("block {block} + {} is out of range", at / 8));
-            };
-            let id = block.ids[at % 8];
-            if id as usize >= self.mesh.len() {
-                self.fault(format!("triangle {id} does not exist"));
-            } else if block.corners(at % 8) != self.mesh.corners(TriId(id)) {
-                self.fault(format!("the copy of triangle {id} differs from the mesh"));
-            }
+    /// A leaf's triangles lie in the blocks, and those of all leaves are no more than there is room for: so the longest way of a ray
+    /// is bounded, too.
+    fn leaf(&mut self, place: Place, block: u32, lane: u32, count: u32) {
+        self.tally.leaves += 1;
+        self.tally.empty_leaves += usize::from(count == 0);
+        self.tally.references = self.tally.references.saturating_add(count as usize);
+        let lanes = LANES * self.tree.blocks.len();
+        let end = u64::from(block) * LANES as u64 + u64::from(lane) + u64::from(count);
+        if lane >= LANES as u32 || count > 0 && end > lanes as u64 {
+            self.faults.add(place, format!("a leaf of {count} from block {block}, lane {lane} on is out of range"));
+        } else if self.tally.references > lanes {
+            self.faults.add(place, format!("more references than the {lanes} lanes of all blocks"));
         }
     }
 
     /// Sends every triangle down the tree, cut at each plane: where a part arrives, the leaf must have it.
     fn completeness(&mut self) {
         let clipper = TriangleClipper { mesh: self.mesh, scale: self.tree.scale.factor() };
-        let Ok(all) = references(&clipper) else { return self.fault("out of memory".to_owned()) };
+        let Ok(all) = references(&clipper, false) else { return self.faults.add(ROOT, "out of memory".to_owned()) };
         for reference in all {
             let corners = clipper.corners(reference.id);
-            let mut todo = vec![(self.tree.root, reference)];
-            while let Some((node, part)) = todo.pop() {
+            let mut todo = vec![(self.tree.root, ROOT, reference)];
+            while let Some((node, place, part)) = todo.pop() {
                 match node.kind() {
-                    NodeKind::Leaf { block, lane, count } => self.expect(&part, block, lane, count),
+                    NodeKind::Leaf { block, lane, count } => self.expect(place, &part, block, lane, count),
                     NodeKind::Interior { axis, split, pair } => {
                         let (left, right) = self.parts(&part, &corners, axis, split);
-                        todo.extend(left.map(|part| (self.child(pair, 0), part)));
-                        todo.extend(right.map(|part| (self.child(pair, 1), part)));
+                        for (side, part) in [left, right].into_iter().enumerate() {
+                            let place = Place::of::<Node>(Part::Nodes, 2 * pair as usize + side);
+                            todo.extend(part.map(|part| (self.child(pair, side), place, part)));
+                        }
                     }
                 }
             }
@@ -131,14 +171,11 @@ impl Check<'_> {
         (left, right)
     }
 
-    fn expect(&mut self, part: &Reference, block: u32, lane: u32, count: u32) {
+    fn expect(&mut self, place: Place, part: &Reference, block: u32, lane: u32, count: u32) {
         let lanes = self.tree.blocks[block as usize..].iter().flat_map(|b| b.ids);
         if !lanes.skip(lane as usize).take(count as usize).any(|id| id == part.id) {
-            self.fault(format!(
-                "triangle {} is missing from a cell that it reaches into: {:?}",
-                part.id,
-                part.bounds()
-            ));
+            let (id, bounds) = (part.id, part.bounds());
+            self.faults.add(place, format!("triangle {id} is missing from a cell that it reaches into: {bounds:?}"));
         }
     }
 }

@@ -3,11 +3,13 @@
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
+mod bins;
 mod branch;
 mod build;
 mod check;
 mod cost;
 mod events;
+mod few;
 mod layout;
 mod node;
 mod radix;
@@ -25,19 +27,18 @@ pub use reference::Reference;
 pub use shown::Shown;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
-use std::sync::Arc;
-
 use build::Builder;
-use layout::{Arrays, Line};
+use layout::{Arrays, Draft, Line};
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Hit, Ray, Scale};
+use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::heuristic::Heuristic;
 use crate::leaf;
-use crate::mem::reserve;
+use crate::mem::Array;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
+use crate::parts::{Part, Parts, Place, Written};
 use crate::probe::Probe;
 use crate::simd::{Block, Level};
 
@@ -49,9 +50,9 @@ pub struct KdTree {
     bounds: Aabb,
     magnitude: f32,
     root: Node,
-    lines: Vec<Line>,
-    blocks: Vec<Block>,
-    masks: Option<Arc<[u32]>>,
+    lines: Array<Line>,
+    blocks: Array<Block>,
+    masks: Option<Array<u32>>,
     tally: Tally,
     level: Level,
 }
@@ -65,24 +66,60 @@ impl KdTree {
     /// # Errors
     /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
     pub fn build(mesh: &Mesh, spec: &KdSpec, heuristic: &dyn Heuristic, options: &BuildOptions<'_>) -> Result<Self> {
-        let bounds = mesh.bounds();
-        let scale = Scale::of(&bounds);
-        let bounds = scale.scaled(&bounds);
+        let in_mesh = mesh.bounds();
+        let scale = Scale::of(&in_mesh);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
-        let refs = references(&clipper)?;
+        let parallel = options.threads != Some(1);
+        let refs = references(&clipper, parallel)?;
         let max_refs = max_refs(mesh.len(), options)?;
         let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
-        let branches = builder.build(refs, bounds, max_refs)?;
+        let branches = builder.build(refs, scale.scaled(&in_mesh), max_refs)?;
         let root = branches.nodes.len() as u32 - 1;
-        let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
+        let arrays = Draft { branches: &branches, corners: |id| mesh.corners(TriId(id)), parallel }.lay_out(root)?;
         let Arrays { root, lines, blocks, tally } = arrays;
-        let masks = mesh.masks().map(Arc::from);
-        let magnitude = bounds.magnitude();
-        let tree = Self { scale, bounds, magnitude, root, lines, blocks, masks, tally, level: Level::best() };
+        let tree = Self {
+            root,
+            tally,
+            level: options.level(),
+            ..Self::of_arrays(&in_mesh, lines.into(), blocks.into(), mesh.mask_array())
+        };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
         }
+    }
+
+    /// Without a root yet.
+    fn of_arrays(in_mesh: &Aabb, lines: Array<Line>, blocks: Array<Block>, masks: Option<Array<u32>>) -> Self {
+        let scale = Scale::of(in_mesh);
+        let bounds = scale.scaled(in_mesh);
+        let (magnitude, root, tally) = (bounds.magnitude(), Node::default(), Tally::default());
+        Self { scale, bounds, magnitude, root, lines, blocks, masks, tally, level: Level::best() }
+    }
+
+    /// Its arrays, to be saved.
+    pub(crate) fn parts(&self) -> Vec<Written<'_>> {
+        let root = std::slice::from_ref(&self.root);
+        vec![
+            Written::new(Part::Root, root),
+            Written::new(Part::Nodes, &self.lines),
+            Written::new(Part::Blocks, &self.blocks),
+        ]
+    }
+
+    /// The tree that saved arrays make, once they are known to be one over this mesh. O(nodes + blocks).
+    ///
+    /// # Errors
+    /// [`Error::Format`] at the first fault, or lack of memory.
+    pub(crate) fn from_parts(parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
+        let root = parts.get::<Node>(Part::Root)?;
+        let &[root] = &root[..] else {
+            return Err(parts.error(Place { part: Part::Root, byte: 0 }, format!("{} roots", root.len())));
+        };
+        let (lines, blocks) = (parts.get(Part::Nodes)?, parts.get(Part::Blocks)?);
+        let tree = Self { root, ..Self::of_arrays(&mesh.bounds(), lines, blocks, mesh.mask_array()) };
+        let tally = tree.tally_checked(mesh).map_err(|(place, fault)| parts.error(place, fault.0))?;
+        Ok(Self { tally, ..tree })
     }
 
     /// The same tree, traced with other instructions: for tests and measurements. The answers are the same.
@@ -100,6 +137,16 @@ impl KdTree {
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         self.level.run(trace::Walk::<_, leaf::Any> { tree: self, ray, probe, start: () })
+    }
+
+    /// The nearest hit that `passes`.
+    pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>> { tree: self, ray, probe: &mut (), start: passes })
+    }
+
+    /// Whether there is a hit that `passes`.
+    pub fn occluded_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> bool {
+        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>> { tree: self, ray, probe: &mut (), start: passes })
     }
 
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
@@ -146,12 +193,8 @@ impl KdTree {
 }
 
 /// A reference to every triangle, whole.
-fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
-    let n = clipper.mesh.len();
-    let mut refs = Vec::new();
-    reserve(&mut refs, n, "references")?;
-    refs.extend((0..n as u32).map(|id| Reference::new(id, &Aabb::around(&clipper.corners(id)))));
-    Ok(refs)
+fn references(clipper: &TriangleClipper<'_>, parallel: bool) -> Result<Vec<Reference>> {
+    clipper.mesh.of_solid(parallel, |tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0))))
 }
 
 /// How many references the budgets allow.

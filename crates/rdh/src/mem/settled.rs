@@ -1,15 +1,60 @@
 //! Arrays that are finished: as large as needed, and on large pages where the system has them to give.
 
+use std::mem::MaybeUninit;
+
+use rayon::prelude::*;
+
+use super::Plain;
 use crate::error::{Error, Result};
 
-/// A copy without spare room, of an array that will be read in no order: incoherent rays through large trees are up to 7 % faster
-/// for large pages.
-pub(crate) fn settled<T: Copy>(vec: &[T], what: &'static str) -> Result<Vec<T>> {
-    let mut copy = Vec::new();
-    copy.try_reserve_exact(vec.len()).map_err(|_| Error::OutOfMemory { what, bytes: size_of_val(vec) })?;
-    ask_for_large_pages(&mut copy);
-    copy.extend_from_slice(vec);
+/// Lists one after the other without spare room, for an array that will be read in no order: incoherent rays through large trees
+/// are up to 7 % faster for large pages. Each element is changed as the number of its list says.
+pub(crate) fn joined<T: Copy + Send + Sync>(
+    lists: &[&[T]],
+    parallel: bool,
+    what: &'static str,
+    change: impl Fn(usize, T) -> T + Sync,
+) -> Result<Vec<T>> {
+    let len = lists.iter().map(|list| list.len()).sum();
+    let mut joined: Vec<T> = room(len, what)?;
+    let (mut pieces, mut rest) = (Vec::with_capacity(lists.len()), &mut joined.spare_capacity_mut()[..len]);
+    for (i, list) in lists.iter().enumerate() {
+        let (piece, after) = rest.split_at_mut(list.len());
+        rest = after;
+        pieces.push((i, *list, piece));
+    }
+    let copy = |(i, list, piece): (usize, &[T], &mut [MaybeUninit<T>])| {
+        for (slot, &element) in piece.iter_mut().zip(list) {
+            slot.write(change(i, element));
+        }
+    };
+    if parallel {
+        pieces.into_par_iter().for_each(copy)
+    } else {
+        pieces.into_iter().for_each(copy)
+    }
+    // SAFETY: the pieces are `len` slots together; each is as long as its list, and has been written.
+    unsafe { joined.set_len(len) };
+    Ok(joined)
+}
+
+/// A copy without spare room, of whole elements that are given as bytes, wherever they lie.
+pub(crate) fn settled_bytes<T: Plain>(bytes: &[u8], what: &'static str) -> Result<Vec<T>> {
+    let len = bytes.len() / size_of::<T>();
+    let mut copy: Vec<T> = room(len, what)?;
+    // SAFETY: there is room for `len` elements, the bytes hold as many, and any bytes are plain data.
+    unsafe {
+        std::ptr::copy_nonoverlapping(bytes.as_ptr(), copy.as_mut_ptr().cast(), len * size_of::<T>());
+        copy.set_len(len);
+    }
     Ok(copy)
+}
+
+fn room<T>(len: usize, what: &'static str) -> Result<Vec<T>> {
+    let (mut vec, bytes) = (Vec::new(), len.saturating_mul(size_of::<T>()));
+    vec.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { what, bytes })?;
+    ask_for_large_pages(&mut vec);
+    Ok(vec)
 }
 
 /// Smaller arrays stay as they are.
@@ -47,9 +92,13 @@ mod tests {
     fn copies_are_equal_and_without_spare_room() {
         for len in [0, 1, 1000, 3_000_000] {
             let vec: Vec<u32> = (0..len).collect();
-            let copy = settled(&vec, "numbers").unwrap();
+            let (low, high) = vec.split_at(vec.len() / 3);
+            let copy =
+                joined(&[low, &[], high], len > 1, "numbers", |list, x| if list == 2 { x + 1 } else { x }).unwrap();
+            let vec: Vec<u32> = low.iter().copied().chain(high.iter().map(|x| x + 1)).collect();
             assert_eq!((copy.len(), copy.capacity()), (vec.len(), vec.len()));
             assert!(copy == vec);
+            assert!(settled_bytes::<u32>(bytemuck::cast_slice(&vec), "numbers").unwrap() == vec);
         }
     }
 }

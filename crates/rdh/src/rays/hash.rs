@@ -10,6 +10,8 @@ pub(super) enum Purpose {
     Sample = 1,
     /// Which set of the three-way split a ray belongs to.
     Split = 2,
+    /// Which training rays are held out where there is no other set.
+    Part = 3,
 }
 
 /// Hashes rays with keys that are drawn from a seed.
@@ -69,7 +71,7 @@ fn fold(a: u64, b: u64) -> u64 {
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The finaliser of the SplitMix64 generator (Steele, Lea and Flood 2014).
-fn split_mix(x: u64) -> u64 {
+pub(super) fn split_mix(x: u64) -> u64 {
     let x = x.wrapping_add(GOLDEN);
     let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -1,6 +1,7 @@
 //! What an application really casts: recorded, sampled, split into sets that cannot be mixed up.
 
 mod bottom;
+mod drift;
 mod file;
 mod hash;
 mod profile;
@@ -9,15 +10,19 @@ mod sets;
 mod slots;
 mod summary;
 
+pub use drift::Drift;
 pub use profile::Profile;
 pub use recorder::Recorder;
 pub use sets::{HeldOut, Training, Unseen};
 pub use summary::{Group, Summary};
 
+use serde::{Deserialize, Serialize};
+
 use crate::geom::{Hit, Ray};
 
 /// What is asked of a ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[repr(u8)]
 pub enum Query {
     /// The nearest hit.
@@ -29,7 +34,8 @@ pub enum Query {
 }
 
 /// What a ray is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 #[repr(u8)]
 pub enum RayClass {
     /// From the camera.

@@ -1,6 +1,7 @@
 //! The three-way split: build from the first set, choose by the second, report on the third.
 
 use super::RaySample;
+use super::hash::{Purpose, RayHash};
 
 macro_rules! set {
     ($(#[$doc:meta])* $name:ident) => {
@@ -48,5 +49,15 @@ impl Training {
     /// No rays: for heuristics that need none.
     pub fn none() -> Self {
         Self::default()
+    }
+
+    /// Two thirds to learn from and a third to choose by, by a hash of the rays' bits that has nothing to do with that of
+    /// [`Profile::split`](super::Profile::split).
+    pub(crate) fn part(&self) -> (Self, HeldOut) {
+        let hash = RayHash::new(0, Purpose::Part);
+        let learnt = |s: &&RaySample| hash.of_ray(&s.ray) % 3 != 0;
+        let (training, held_out): (Vec<&RaySample>, Vec<&RaySample>) = self.0.iter().partition(learnt);
+        let owned = |part: Vec<&RaySample>| part.into_iter().copied().collect();
+        (Self(owned(training)), HeldOut(owned(held_out)))
     }
 }

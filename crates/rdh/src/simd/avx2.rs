@@ -39,6 +39,10 @@ pub(super) struct Limits {
     pub(super) farthest: __m256,
     pub(super) surely_from: __m256,
     pub(super) surely_to: __m256,
+    /// That of the first two which lies before the ray's start, …
+    pub(super) start: __m256,
+    /// … and the sign of the direction from there.
+    ahead: __m256,
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter` and in `avx512.rs`, whose `enter` asks for AVX2 as well; callers of
@@ -73,7 +77,15 @@ impl Kernels for Avx2 {
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
             );
-            let possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            let mut possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
+            let start = frame.limits.start;
+            let both_sides =
+                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(first, start), _mm256_cmp_ps::<_CMP_GT_OQ>(last, start));
+            if CERTAIN || _mm256_movemask_ps(both_sides) as u32 & wanted != 0 {
+                let before = _mm256_cmp_ps::<_CMP_LT_OQ>(spans.before_start(frame), zero);
+                possible &= !(_mm256_movemask_ps(before) as u32);
+            }
             if !CERTAIN {
                 return Sifted { possible, certain: 0 };
             }
@@ -259,7 +271,10 @@ fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
         let slack = _mm256_mul_ps(size, _mm256_set1_ps(Depths::SLACK));
         let ends = _mm256_addsub_ps(ends, _mm256_add_ps(slack, _mm256_set1_ps(f32::MIN_POSITIVE)));
         let [nearest, surely_from, surely_to] = spread_axes(ends);
-        Limits { nearest, farthest: _mm256_permute_ps::<0b11_11_11_11>(ends), surely_from, surely_to }
+        let farthest = _mm256_permute_ps::<0b11_11_11_11>(ends);
+        let start = _mm256_blendv_ps(nearest, farthest, direction_z);
+        let ahead = _mm256_and_ps(_mm256_set1_ps(-0.0), direction_z);
+        Limits { nearest, farthest, surely_from, surely_to, start, ahead }
     }
 }
 
@@ -291,6 +306,7 @@ pub(super) fn spread_axes(v: __m256) -> [__m256; 3] {
 /// What sifting asks of eight triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Spans {
+    points: [(__m256, __m256, __m256); 3],
     edges: [__m256; 3],
     /// The smallest and the largest of the edge functions.
     pub(super) least: __m256,
@@ -308,6 +324,30 @@ impl Spans {
         // SAFETY: as in `Avx2`.
         unsafe { _mm256_add_ps(_mm256_add_ps(u, v), w) }
     }
+
+    /// Negative where a triangle whose corners lie on both sides of the start is surely crossed before it: the mean of the
+    /// corners' depths, less the start and more than all roundings (docs/watertight.md, section 7). Elsewhere, if all lie behind the
+    /// start, not negative, and not a number where something overflows.
+    #[inline(always)]
+    pub(super) fn before_start(&self, frame: &Frame) -> __m256 {
+        let ([u, v, w], [p0, p1, p2], Limits { start, ahead, .. }) = (self.edges, self.points, frame.limits);
+        // SAFETY: as in `Avx2`.
+        unsafe {
+            let mean = _mm256_mul_ps(u, _mm256_sub_ps(p0.2, start));
+            let mean = _mm256_fmadd_ps(v, _mm256_sub_ps(p1.2, start), mean);
+            let mean = _mm256_fmadd_ps(w, _mm256_sub_ps(p2.2, start), mean);
+            let x = _mm256_fmadd_ps(p0.0, p0.0, _mm256_fmadd_ps(p1.0, p1.0, _mm256_mul_ps(p2.0, p2.0)));
+            let y = _mm256_fmadd_ps(p0.1, p0.1, _mm256_fmadd_ps(p1.1, p1.1, _mm256_mul_ps(p2.1, p2.1)));
+            // Doubled, so that it overflows before the mean does.
+            let most =
+                _mm256_fmadd_ps(_mm256_add_ps(x, y), _mm256_set1_ps(2.0), _mm256_set1_ps(4.0 * f32::MIN_POSITIVE));
+            let most = _mm256_mul_ps(most, _mm256_sub_ps(self.last, self.first));
+            let (roundings, least) = (_mm256_set1_ps(1.0 / (1 << 22) as f32), _mm256_set1_ps(f32::MIN_POSITIVE));
+            let sum = _mm256_and_ps(_mm256_set1_ps(-0.0), _mm256_add_ps(self.least, self.most));
+            let mean = _mm256_xor_ps(mean, _mm256_xor_ps(sum, ahead));
+            _mm256_add_ps(mean, _mm256_fmadd_ps(most, roundings, least))
+        }
+    }
 }
 
 #[inline(always)]
@@ -318,6 +358,7 @@ pub(super) fn spans(frame: &Frame, block: &Block) -> Spans {
     // SAFETY: as in `Avx2`.
     unsafe {
         Spans {
+            points: [p0, p1, p2],
             edges: [u, v, w],
             least: _mm256_min_ps(_mm256_min_ps(u, v), w),
             most: _mm256_max_ps(_mm256_max_ps(u, v), w),

@@ -47,8 +47,14 @@ impl Kernels for Avx512 {
             // A hit's depth lies between those of the corners. What is not a number says nothing.
             let within = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(wanted, last, frame.limits.nearest);
             let within = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, first, frame.limits.farthest);
-            let possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
+            let mut possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
                 | _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, most, zero);
+            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
+            let start = frame.limits.start;
+            let both_sides = _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(wanted, first, start);
+            if CERTAIN || _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(both_sides, last, start) != 0 {
+                possible &= _mm256_cmp_ps_mask::<_CMP_NLT_UQ>(spans.before_start(frame), zero);
+            }
             if !CERTAIN {
                 return Sifted { possible: u32::from(possible), certain: 0 };
             }

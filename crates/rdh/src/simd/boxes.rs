@@ -1,6 +1,7 @@
 //! Boxes side by side, as wide nodes hold them.
 
 use crate::geom::{Aabb, PlaneFrame, Ray, Scale};
+use crate::mem::Plain;
 
 /// `W` boxes, plane by plane, and two words for each: a wide node, whole cache lines without padding.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,11 +38,10 @@ impl<const W: usize> Boxes<W> {
         self.planes[0][0][lane] != Self::ABSENT
     }
 
-    /// Nodes as bytes.
-    pub(crate) fn bytes(nodes: &[Self]) -> &[u8] {
-        const { assert!(size_of::<Self>() == 32 * W, "padding between nodes") };
-        // SAFETY: plain numbers without padding: the fields' sizes add up to that of the whole.
-        unsafe { std::slice::from_raw_parts(nodes.as_ptr().cast(), size_of_val(nodes)) }
+    /// Whether a lane is that of [`Self::NONE`].
+    pub(crate) fn is_absent(&self, lane: usize) -> bool {
+        let none = |side: usize, plane: f32| self.planes[side].iter().all(|lanes| lanes[lane] == plane);
+        none(0, Self::ABSENT) && none(1, -Self::ABSENT) && self.links[lane] == 0
     }
 
     /// The box in a lane.
@@ -50,6 +50,10 @@ impl<const W: usize> Boxes<W> {
         Aabb { min: side(0), max: side(1) }
     }
 }
+
+// SAFETY: plain numbers without padding, since the fields' sizes add up to that of the whole for the widths there are.
+unsafe impl<const W: usize> Plain for Boxes<W> {}
+const _: () = assert!(size_of::<Boxes<2>>() == 64 && size_of::<Boxes<4>>() == 128 && size_of::<Boxes<8>>() == 256);
 
 /// A ray's constants for boxes: `t = plane · inverse + enters` for the three planes it meets first, `+ leaves` for the others.
 #[derive(Debug, Clone, Copy)]
@@ -98,10 +102,16 @@ impl BoxRay {
         (self.inverse[axis].to_bits() >> 31) as usize
     }
 
-    /// Where a ray ends that hits something at `t`, a number, in its own units: a step behind, so that what begins there is seen.
+    /// Where a ray ends that hits something at `t`, a number, in its own units. What begins there is still met.
     #[inline(always)]
     pub(crate) fn end_for(t: f32, t_scale: f64) -> f32 {
-        let t = if t_scale == 1.0 { t } else { (f64::from(t) * t_scale) as f32 };
-        t.next_up()
+        // Not selected: that would make all that waits for the end wait for both.
+        #[cold]
+        #[inline(never)]
+        fn scaled(t: f32, t_scale: f64) -> f32 {
+            // A step behind: it may have been rounded.
+            ((f64::from(t) * t_scale) as f32).next_up()
+        }
+        if t_scale == 1.0 { t } else { scaled(t, t_scale) }
     }
 }

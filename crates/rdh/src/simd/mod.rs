@@ -7,6 +7,8 @@
 //! which are conservative whichever way they round; no approximate reciprocals.
 #![allow(unsafe_code, reason = "intrinsics need it; each block says why it is sound")]
 
+#[cfg(any(target_arch = "aarch64", test))]
+mod arm;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -15,11 +17,15 @@ mod avx2_boxes;
 mod avx512;
 mod block;
 mod boxes;
+mod four;
 mod guess;
+#[cfg(any(target_arch = "aarch64", test))]
+mod neon;
 mod portable;
 
 pub(crate) use block::{Block, LANES};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use portable::Portable;
 
@@ -36,6 +42,8 @@ enum Kind {
     Avx2,
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    #[cfg(any(target_arch = "aarch64", test))]
+    Neon,
 }
 
 impl Level {
@@ -49,8 +57,13 @@ impl Level {
 
     /// All levels of this CPU, slowest first: tests run on each.
     pub fn available() -> Vec<Self> {
-        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut, reason = "there is one level alone"))]
+        #[cfg_attr(
+            not(any(target_arch = "x86_64", target_arch = "aarch64", test)),
+            expect(unused_mut, reason = "there is one level alone")
+        )]
         let mut levels = vec![Self::PORTABLE];
+        #[cfg(any(target_arch = "aarch64", test))]
+        levels.push(Self(Kind::Neon));
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2")
             && std::arch::is_x86_feature_detected!("bmi1")
@@ -77,6 +90,8 @@ impl Level {
             Kind::Avx2 => "avx2",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512 => "avx512",
+            #[cfg(any(target_arch = "aarch64", test))]
+            Kind::Neon => "neon",
         }
     }
 
@@ -91,6 +106,8 @@ impl Level {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a `Level` of this kind is only made where the CPU has these, and AVX-512 F, VL, DQ and BW.
             Kind::Avx512 => unsafe { avx512::enter(job) },
+            #[cfg(any(target_arch = "aarch64", test))]
+            Kind::Neon => neon::enter(job),
         }
     }
 }
@@ -170,6 +187,7 @@ pub(crate) trait Kernels: Copy {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geom::{Aabb, TriId, hit_triangle};
 
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
@@ -178,15 +196,37 @@ mod tests {
         values: &'a [f32],
     }
 
+    /// Lanes of a block, before and after the ray is shortened: those that are possible, those that THE triangle test accepts,
+    /// those that are certain.
+    #[derive(Debug, Clone, Copy)]
+    struct Lanes {
+        possible: u32,
+        accepted: u32,
+        certain: u32,
+    }
+
+    /// The lanes of a block that THE triangle test accepts.
+    fn accepted(frame: &RayFrame, block: &Block) -> u32 {
+        let hit = |i: usize| hit_triangle(frame, &block.corners(i), TriId(0)).is_some();
+        (0..LANES).fold(0, |lanes, i| lanes | u32::from(hit(i)) << i)
+    }
+
     impl Job for Everything<'_> {
-        type Output = (u32, u32, Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]);
+        type Output = (Lanes, (Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]));
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
             let (frame, mut lanes) = K::frames(self.ray);
             let before = K::sift::<true>(&lanes, self.block, 0xff);
-            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..frame });
+            let shortened = RayFrame { t_max: 0.5, ..frame };
+            K::shorten(&mut lanes, &shortened);
             let after = K::sift::<true>(&lanes, self.block, 0xff);
+            assert_eq!(K::sift::<false>(&lanes, self.block, 0xff).possible, after.possible);
+            let lanes = Lanes {
+                possible: before.possible | after.possible << 8,
+                accepted: accepted(&frame, self.block) | accepted(&shortened, self.block) << 8,
+                certain: before.certain | after.certain << 8,
+            };
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
             K::count_below(self.values, planes, &mut below);
@@ -196,19 +236,23 @@ mod tests {
             row.copy_from_slice(&self.values[..8]);
             let mut bins = K::bin(&row, &[-1.0; 8], &[3.7; 8], 5);
             (bins[3], bins[7]) = (0, 0);
-            (before.possible | after.possible << 8, before.certain | after.certain << 8, below, up_to, sums, bins)
+            (lanes, (below, up_to, sums, bins))
+        }
+    }
+
+    /// Coarse numbers: they meet in exact zeros and ties often.
+    fn coarse() -> impl FnMut() -> f32 {
+        let mut state = 7u32;
+        move || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            f32::from((state >> 28) as u8) / 4.0 - 2.0
         }
     }
 
     #[test]
     fn all_levels_give_the_same_bits() {
-        let mut state = 7u32;
-        let mut random = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            // Coarse numbers meet in exact zeros and ties often.
-            f32::from((state >> 28) as u8) / 4.0 - 2.0
-        };
-        let (mut possible, mut certain) = (0, 0);
+        let mut random = coarse();
+        let (mut possible, mut spared, mut certain) = (0, 0, 0);
         for _ in 0..20_000 {
             let mut block: Block = bytemuck::Zeroable::zeroed();
             for lane in 0..LANES {
@@ -221,14 +265,90 @@ mod tests {
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
             let on = |level: Level| level.run(Everything { block: &block, ray: &ray, values: &values });
-            let portable = on(Level::PORTABLE);
+            let (portable, others) = on(Level::PORTABLE);
             for level in Level::available() {
-                assert_eq!(on(level), portable, "{}", level.name());
+                let (lanes, same) = on(level);
+                assert_eq!((lanes.certain, &same), (portable.certain, &others), "{}", level.name());
+                assert_eq!(lanes.certain & !lanes.accepted, 0, "{}: what is certain is accepted", level.name());
+                assert_eq!(lanes.accepted & !lanes.possible, 0, "{}: what is accepted is possible", level.name());
+                // Some levels look closer than plain loops.
+                assert_eq!(lanes.possible & !portable.possible, 0, "{}", level.name());
+                spared += (portable.possible & !lanes.possible).count_ones();
             }
-            assert_eq!(portable.1 & !portable.0, 0, "what is certain is possible");
-            possible += portable.0.count_ones();
-            certain += portable.1.count_ones();
+            possible += portable.possible.count_ones();
+            certain += portable.certain.count_ones();
         }
         assert!(certain > 100 && possible > certain, "{certain} of {possible}");
+        let looks_closer = Level::available().iter().any(|level| level.name().starts_with("avx"));
+        assert_eq!(spared > 1_000, looks_closer, "{spared} of {possible}");
+    }
+
+    /// The boxes that a ray meets before and after it is shortened, and where it enters those.
+    struct Meeting<'a, const W: usize>(&'a Ray, &'a Boxes<W>);
+
+    impl<const W: usize> Job for Meeting<'_, W> {
+        type Output = (u32, u32, [u32; W]);
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Self::Output {
+            let mut ray = K::box_ray(self.0, Scale::of(&Aabb::EMPTY), 2.0).expect("a valid ray");
+            let mut t = Entered([0.0; W]);
+            let before = K::meet(&ray, self.1, &mut t);
+            K::end_at(&mut ray, 1.0);
+            let after = K::meet(&ray, self.1, &mut t);
+            (before, after, std::array::from_fn(|i| if after >> i & 1 == 1 { t.0[i].to_bits() } else { 0 }))
+        }
+    }
+
+    fn boxes_are_met_alike<const W: usize>() {
+        let (mut random, mut met) = (coarse(), 0);
+        for _ in 0..10_000 {
+            let mut boxes = Boxes::<W>::NONE;
+            for lane in 0..W {
+                let (a, b) = ([random(), random(), random()], [random(), random(), random()]);
+                let bounds = Aabb { min: [0, 1, 2].map(|i| a[i].min(b[i])), max: [0, 1, 2].map(|i| a[i].max(b[i])) };
+                // Some lanes stay without a box.
+                if random() > -1.5 {
+                    boxes.set(lane, &bounds, 0);
+                }
+            }
+            // Powers of two, and zeros: products are exact, so that fused multiply-adds round like separate ones.
+            const SLOPES: [f32; 8] = [0.0, -0.0, 0.5, 1.0, 2.0, -0.5, -1.0, -2.0];
+            let mut slope = || SLOPES[((random() + 2.0) * 2.0) as usize];
+            let direction = [slope(), slope(), 1.0];
+            let ray = Ray::new([random(), random(), random()], direction);
+            let portable = Level::PORTABLE.run(Meeting(&ray, &boxes));
+            for level in Level::available() {
+                assert_eq!(level.run(Meeting(&ray, &boxes)), portable, "{}: {ray:?}", level.name());
+            }
+            met += portable.1.count_ones();
+        }
+        assert!(met > 1_000, "{met}");
+    }
+
+    #[test]
+    fn all_levels_meet_the_same_boxes() {
+        boxes_are_met_alike::<2>();
+        boxes_are_met_alike::<4>();
+        boxes_are_met_alike::<8>();
+    }
+
+    #[test]
+    fn all_levels_lower_alike() {
+        struct Lower([f32; 8], [f32; 8]);
+        impl Job for Lower {
+            type Output = [f32; 8];
+
+            #[inline(always)]
+            fn run<K: Kernels>(mut self) -> [f32; 8] {
+                K::lower(&mut self.0, &self.1);
+                self.0
+            }
+        }
+        let (mine, theirs) =
+            ([1.0, 2.0, -3.0, 4.0, 5.0, 6.0, f32::INFINITY, 8.0], [2.0, 1.0, -2.0, -4.0, 5.5, 0.0, 3.0, 9.0]);
+        for level in Level::available() {
+            assert_eq!(level.run(Lower(mine, theirs)), [1.0, 1.0, -3.0, -4.0, 5.0, 0.0, 3.0, 8.0], "{}", level.name());
+        }
     }
 }

@@ -27,6 +27,8 @@ pub const SPECS: &[&str] = &[
     "bvh8(quick)+sah",
     "sbvh2+sah",
     "sbvh8+sah",
+    "bvh8(split=sweep)+sah",
+    "sbvh4(split=sweep)+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
     "bvh8+rdh",

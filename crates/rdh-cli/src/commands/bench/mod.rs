@@ -1,5 +1,6 @@
 //! `rdh bench`: our structures and other libraries', side by side in one run.
 
+mod builds;
 mod tables;
 mod watch;
 
@@ -19,6 +20,9 @@ use crate::pick::Shelf;
 
 /// Runs the race and prints it, as a table or as JSON.
 pub(crate) fn run(args: &BenchArgs, context: &Context) -> Result<()> {
+    if args.builds {
+        return builds::run(args, context);
+    }
     let plan = plan(args, context)?;
     plan.check().map_err(|e| usage(e.to_string()))?;
     let (mut log, known) = match &args.out {

@@ -55,7 +55,7 @@ fn row_cells(row: &Row, base: Option<&Row>, first: bool, styles: &Styles) -> Vec
     let mut cells: Vec<Cell> = vec![
         name.into(),
         class.into(),
-        row.spec.to_string().into(),
+        spec_name(row).into(),
         format!("{:.1}", row.steps_per_ray).into(),
         format!("{:.1}", row.tests_per_ray).into(),
         format!("{:.0}", row.nanos_per_ray).into(),
@@ -71,6 +71,11 @@ fn row_cells(row: &Row, base: Option<&Row>, first: bool, styles: &Styles) -> Vec
         cells.extend(pairs.map(|(a, b)| ratio_cell(if a == b { 1.0 } else { a / b }, styles)));
     }
     cells
+}
+
+/// The spec; for `auto` with what it chose.
+fn spec_name(row: &Row) -> String {
+    row.chosen.map_or_else(|| row.spec.to_string(), |chosen| format!("{}: {chosen}", row.spec))
 }
 
 /// The class, with its mode where that says more.

@@ -1,0 +1,169 @@
+//! Many rays at once: shared among threads, without the interpreter's lock, and stopped by Ctrl-C.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use rdh::Aabb;
+
+use crate::order::order;
+use crate::rays::RayRows;
+
+/// So many rays are cast before it is asked again whether to go on.
+const STRIDE: usize = 512;
+/// Rays that one thread takes at a time, at most: the more, the better they can be ordered.
+const WINDOW: usize = 1 << 18;
+/// How long Ctrl-C may go unnoticed.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Whether somebody wants the work stopped.
+pub(crate) struct Cancel(AtomicBool);
+
+impl Cancel {
+    /// Whether to stop.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.0.load(Relaxed)
+    }
+}
+
+/// Does `work` in the pool, while this thread looks out for signals. Python's other threads go on meanwhile.
+///
+/// # Errors
+/// What the signal's handler raises, usually `KeyboardInterrupt`.
+pub(crate) fn supervise<T: Send>(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    work: impl FnOnce(&Cancel) -> T + Send,
+) -> PyResult<T> {
+    py.detach(|| {
+        let cancel = Cancel(AtomicBool::new(false));
+        let (finished, result) = mpsc::sync_channel(1);
+        let mut raised = None;
+        let done = pool.in_place_scope(|scope| {
+            let cancel = &cancel;
+            // Nobody is there to hear it only if this scope is unwinding.
+            scope.spawn(move |_| drop(finished.send(work(cancel))));
+            loop {
+                match result.recv_timeout(PATIENCE) {
+                    Ok(done) => return Some(done),
+                    // The work panicked; so will this scope.
+                    Err(RecvTimeoutError::Disconnected) => return None,
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    cancel.0.store(true, Relaxed);
+                    raised.get_or_insert(error);
+                }
+            }
+        });
+        match (raised, done) {
+            (Some(error), _) => Err(error),
+            (None, Some(done)) => Ok(done),
+            (None, None) => unreachable!("a scope whose work panicked does not return"),
+        }
+    })
+}
+
+/// Some of a batch's rays, which one thread casts.
+pub(crate) struct Window<'a> {
+    rays: Range<usize>,
+    order: Option<Vec<u32>>,
+    cancel: Option<&'a Cancel>,
+}
+
+impl<'a> Window<'a> {
+    fn new(rays: Range<usize>, all: &RayRows<'_>, bounds: &Aabb, cancel: Option<&'a Cancel>) -> Self {
+        let order = order(rays.len(), bounds, |row| all.get(rays.start + row));
+        Self { rays, order, cancel }
+    }
+
+    /// How many rays there are.
+    pub(crate) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Does `work` for each ray, with its row in the window and its number in the batch, in the best order; stops if that is wanted.
+    #[inline]
+    pub(crate) fn each(&self, mut work: impl FnMut(usize, usize)) {
+        let first = self.rays.start;
+        for from in (0..self.len()).step_by(STRIDE) {
+            if self.cancel.is_some_and(Cancel::is_wanted) {
+                return;
+            }
+            let rows = from..self.len().min(from + STRIDE);
+            match &self.order {
+                None => rows.for_each(|row| work(row, first + row)),
+                Some(order) => order[rows].iter().for_each(|&row| work(row as usize, first + row as usize)),
+            }
+        }
+    }
+}
+
+/// Results with a row a ray, that can be shared out.
+pub(crate) trait Columns: Send {
+    /// Takes off the first `rows` rows.
+    fn take(&mut self, rows: usize) -> Self;
+}
+
+impl<T: Send> Columns for &mut [T] {
+    fn take(&mut self, rows: usize) -> Self {
+        self.split_off_mut(..rows).unwrap_or_default()
+    }
+}
+
+/// Does `work` for all rays, window by window, each with its part of the columns.
+///
+/// # Errors
+/// As [`supervise`].
+pub(crate) fn fill<C: Columns>(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    rays: &RayRows<'_>,
+    bounds: &Aabb,
+    mut columns: C,
+    work: impl Fn(&Window<'_>, C) + Sync,
+) -> PyResult<()> {
+    if rays.len() <= STRIDE {
+        py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None), columns));
+        return Ok(());
+    }
+    let parts = windows(rays.len(), pool).map(|window| (window.clone(), columns.take(window.len())));
+    let parts: Vec<(Range<usize>, C)> = parts.collect();
+    supervise(py, pool, |cancel| {
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.for_each(|(window, columns)| work(&Window::new(window, rays, bounds, Some(cancel)), columns));
+    })
+}
+
+/// Does `work` for all rays, window by window, and keeps what it returns, in the order of the rays.
+///
+/// # Errors
+/// As [`supervise`].
+pub(crate) fn map<T: Send>(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    rays: &RayRows<'_>,
+    bounds: &Aabb,
+    work: impl Fn(&Window<'_>) -> T + Sync + Send,
+) -> PyResult<Vec<T>> {
+    if rays.len() <= STRIDE {
+        return Ok(vec![py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None)))]);
+    }
+    let parts: Vec<Range<usize>> = windows(rays.len(), pool).collect();
+    supervise(py, pool, |cancel| {
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.map(|window| work(&Window::new(window, rays, bounds, Some(cancel)))).collect()
+    })
+}
+
+/// Windows over so many rays: four a thread, so that all end at about the same time; but no smaller than it is worth, and no larger
+/// than caches hold.
+fn windows(count: usize, pool: &ThreadPool) -> impl Iterator<Item = Range<usize>> + use<> {
+    let parts = if pool.current_num_threads() == 1 { 1 } else { 4 * pool.current_num_threads() };
+    let window = count.div_ceil(parts).clamp(STRIDE, WINDOW);
+    (0..count).step_by(window).map(move |first| first..count.min(first + window))
+}

@@ -1,0 +1,259 @@
+//! Batches in Open3D's shapes.
+
+use numpy::{Element, PyArrayMethods, PyReadwriteArrayDyn};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+use rayon::ThreadPool;
+use rdh::{Hit, Mesh};
+
+use crate::arrays::{refuse, zeros};
+use crate::batch::{self, Columns, Window};
+use crate::rays::RayRows;
+use crate::world::{Caster, World};
+
+/// The id of a miss, as in Embree and Open3D.
+pub(crate) const INVALID_ID: u32 = u32::MAX;
+
+/// What `cast_rays` can say of a ray.
+const FIELDS: [&str; 5] = ["t_hit", "geometry_ids", "primitive_ids", "primitive_uvs", "primitive_normals"];
+
+/// Which of [`FIELDS`] are wanted.
+pub(crate) struct Wanted([bool; FIELDS.len()]);
+
+impl Wanted {
+    /// Every one.
+    pub(crate) const ALL: Self = Self([true; FIELDS.len()]);
+
+    /// Reads names one by one: what is given may claim any length.
+    ///
+    /// # Errors
+    /// `ValueError` for what is not a list of names, or an unknown one.
+    pub(crate) fn read(fields: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let refused = |what: &Bound<'_, PyAny>| {
+            let what = what.repr().map_or_else(|_| "this".to_owned(), |text| text.to_string());
+            refuse("fields", format_args!("{what} is none of {}", FIELDS.join(", ")))
+        };
+        let mut wanted = [false; FIELDS.len()];
+        for field in fields.try_iter().map_err(|_| refuse("fields", "a list of names is needed"))? {
+            let field = field?;
+            let name = field.cast::<PyString>().map_err(|_| refused(&field))?;
+            let place = FIELDS.iter().position(|known| name == known).ok_or_else(|| refused(&field))?;
+            wanted[place] = true;
+        }
+        Ok(Self(wanted))
+    }
+}
+
+/// The arrays of those fields, each with a row a ray.
+#[derive(Default)]
+struct Fields<'a> {
+    t_hit: Option<&'a mut [f32]>,
+    geometry_ids: Option<&'a mut [u32]>,
+    primitive_ids: Option<&'a mut [u32]>,
+    primitive_uvs: Option<&'a mut [f32]>,
+    primitive_normals: Option<&'a mut [f32]>,
+}
+
+impl Columns for Fields<'_> {
+    fn take(&mut self, rows: usize) -> Self {
+        Self {
+            t_hit: part(&mut self.t_hit, rows),
+            geometry_ids: part(&mut self.geometry_ids, rows),
+            primitive_ids: part(&mut self.primitive_ids, rows),
+            primitive_uvs: part(&mut self.primitive_uvs, 2 * rows),
+            primitive_normals: part(&mut self.primitive_normals, 3 * rows),
+        }
+    }
+}
+
+fn part<'a, T: Send>(column: &mut Option<&'a mut [T]>, entries: usize) -> Option<&'a mut [T]> {
+    column.as_mut().map(|column| column.take(entries))
+}
+
+impl Fields<'_> {
+    fn set(&mut self, row: usize, hit: Option<Hit>, mesh: &Mesh) {
+        if let Some(t_hit) = &mut self.t_hit {
+            t_hit[row] = hit.map_or(f32::INFINITY, |h| h.t);
+        }
+        if let Some(ids) = &mut self.geometry_ids {
+            ids[row] = hit.map_or(INVALID_ID, |h| h.geometry.0);
+        }
+        if let Some(ids) = &mut self.primitive_ids {
+            ids[row] = hit.map_or(INVALID_ID, |h| h.tri.0);
+        }
+        // What there is no hit for stays zero.
+        let Some(hit) = hit else { return };
+        if let Some(uvs) = &mut self.primitive_uvs {
+            uvs[2 * row..2 * row + 2].copy_from_slice(&[hit.u, hit.v]);
+        }
+        if let Some(normals) = &mut self.primitive_normals {
+            normals[3 * row..3 * row + 3].copy_from_slice(&unit_normal(mesh.corners(hit.tri)));
+        }
+    }
+}
+
+/// Casts rays for their nearest hits; the arrays of `wanted` fields, in the shape of the rays.
+///
+/// # Errors
+/// `ValueError` for rays out of range, `MemoryError`, or what a signal's handler raises.
+pub(crate) fn closest<'py>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+    shape: &[usize],
+    wanted: Wanted,
+) -> PyResult<Bound<'py, PyDict>> {
+    let made = Made { result: PyDict::new(py), shape, wanted };
+    let mut t_hit = made.column::<f32>(0, None)?;
+    let mut geometry_ids = made.column::<u32>(1, None)?;
+    let mut primitive_ids = made.column::<u32>(2, None)?;
+    let mut primitive_uvs = made.column::<f32>(3, Some(2))?;
+    let mut primitive_normals = made.column::<f32>(4, Some(3))?;
+    let fields = Fields {
+        t_hit: rows(&mut t_hit)?,
+        geometry_ids: rows(&mut geometry_ids)?,
+        primitive_ids: rows(&mut primitive_ids)?,
+        primitive_uvs: rows(&mut primitive_uvs)?,
+        primitive_normals: rows(&mut primitive_normals)?,
+    };
+    let caster = world.caster();
+    batch::fill(py, pool, rays, &caster.accel.bounds(), fields, |window, mut fields| {
+        window.each(|row, ray| fields.set(row, caster.closest(&rays.get(ray)), caster.accel.mesh()));
+    })?;
+    rays.check("rays")?;
+    Ok(made.result)
+}
+
+/// The dictionary of results, as it is filled with arrays.
+struct Made<'a, 'py> {
+    result: Bound<'py, PyDict>,
+    shape: &'a [usize],
+    wanted: Wanted,
+}
+
+/// An array of results while its numbers are written.
+type Held<'py, T> = Option<PyReadwriteArrayDyn<'py, T>>;
+
+impl<'py> Made<'_, 'py> {
+    /// An array in the shape of the rays, with an axis for `more` numbers a ray; nothing if the field is not wanted.
+    fn column<T: Element>(&self, field: usize, more: Option<usize>) -> PyResult<Held<'py, T>> {
+        if !self.wanted.0[field] {
+            return Ok(None);
+        }
+        let shape: Vec<_> = self.shape.iter().copied().chain(more).collect();
+        let array = zeros::<T>(self.result.py(), &shape)?;
+        self.result.set_item(FIELDS[field], &array)?;
+        Ok(Some(array.try_readwrite()?))
+    }
+}
+
+fn rows<'a, T: Element>(held: &'a mut Held<'_, T>) -> PyResult<Option<&'a mut [T]>> {
+    Ok(held.as_mut().map(|array| array.as_slice_mut()).transpose()?)
+}
+
+/// One number a ray, in the shape of the rays.
+///
+/// # Errors
+/// As [`closest`].
+pub(crate) fn each<'py, T: Element>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+    shape: &[usize],
+    argument: &str,
+    answer: impl Fn(&Caster, &rdh::Ray, &mut Vec<Hit>) -> T + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let array = zeros::<T>(py, shape)?;
+    let mut held = array.try_readwrite()?;
+    let caster = world.caster();
+    batch::fill(py, pool, rays, &caster.accel.bounds(), held.as_slice_mut()?, |window, rows| {
+        let mut hits = Vec::new();
+        window.each(|row, ray| rows[row] = answer(&caster, &rays.get(ray), &mut hits));
+    })?;
+    rays.check(argument)?;
+    Ok(array.into_any())
+}
+
+/// What is found for the rays of a window: several things a ray, ray by ray, but found in any order.
+pub(crate) struct Found<T> {
+    /// Where in `things` those of each ray begin, and how many they are.
+    spans: Vec<(usize, usize)>,
+    things: Vec<T>,
+}
+
+impl<T> Found<T> {
+    /// Asks for each ray of a window what there is; `find` adds it to the things.
+    pub(crate) fn by(window: &Window<'_>, mut find: impl FnMut(usize, &mut Vec<T>)) -> Self {
+        let mut found = Self { spans: vec![(0, 0); window.len()], things: Vec::new() };
+        window.each(|row, ray| {
+            let first = found.things.len();
+            find(ray, &mut found.things);
+            found.spans[row] = (first, found.things.len() - first);
+        });
+        found
+    }
+
+    /// How many things there are.
+    pub(crate) fn len(&self) -> usize {
+        self.things.len()
+    }
+
+    /// The things of each ray.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &[T]> {
+        self.spans.iter().map(|&(first, count)| &self.things[first..first + count])
+    }
+}
+
+/// All hits of all rays, as one list with the places at which it is split.
+///
+/// # Errors
+/// As [`closest`].
+pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays: &RayRows<'_>) -> PyResult<Bound<'py, PyDict>> {
+    let caster = world.caster();
+    let parts = batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
+        let mut of_one = Vec::new();
+        Found::by(window, |ray, all| {
+            caster.all_hits(&rays.get(ray), &mut of_one);
+            all.extend_from_slice(&of_one);
+        })
+    })?;
+    rays.check("rays")?;
+    let rows = || parts.iter().flat_map(Found::rows);
+    let hits = || rows().flatten();
+    let count = parts.iter().map(Found::len).sum();
+    let mut end = 0;
+    let splits = rows().map(|hits| {
+        end += hits.len() as i64;
+        end
+    });
+    let ray_ids = rows().enumerate().flat_map(|(ray, hits)| std::iter::repeat_n(ray as i64, hits.len()));
+    let result = PyDict::new(py);
+    result.set_item("ray_splits", filled(py, &[rays.len() + 1], std::iter::once(0).chain(splits))?)?;
+    result.set_item("ray_ids", filled(py, &[count], ray_ids)?)?;
+    result.set_item(FIELDS[0], filled(py, &[count], hits().map(|h| h.t))?)?;
+    result.set_item(FIELDS[1], filled(py, &[count], hits().map(|h| h.geometry.0))?)?;
+    result.set_item(FIELDS[2], filled(py, &[count], hits().map(|h| h.tri.0))?)?;
+    result.set_item(FIELDS[3], filled(py, &[count, 2], hits().flat_map(|h| [h.u, h.v]))?)?;
+    Ok(result)
+}
+
+/// A new array with these numbers.
+fn filled<'py, T: Element>(py: Python<'py>, shape: &[usize], numbers: impl Iterator<Item = T>) -> PyResult<Bound<'py, PyAny>> {
+    let array = zeros::<T>(py, shape)?;
+    for (place, number) in array.try_readwrite()?.as_slice_mut()?.iter_mut().zip(numbers) {
+        *place = number;
+    }
+    Ok(array.into_any())
+}
+
+/// The direction in which the corners run counter-clockwise, of length 1.
+fn unit_normal(corners: [rdh::Vec3; 3]) -> [f32; 3] {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    let side = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+    let (u, v) = (side(b), side(c));
+    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 { n.map(|x| (x / length) as f32) } else { [0.0; 3] }
+}

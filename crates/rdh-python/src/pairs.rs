@@ -1,0 +1,188 @@
+//! What `rdh.trimesh` asks for: rays as origins and directions, answers in trimesh's types.
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use rayon::ThreadPool;
+use rdh::{Hit, Ray};
+
+use crate::arrays::{Floats, Numbers, refuse, zeros};
+use crate::batch;
+use crate::cast::{self, Found};
+use crate::pool::pool;
+use crate::rays::RayRows;
+use crate::scene::Scene;
+use crate::world::{Caster, World};
+
+/// Ids of the first triangles that rays hit, int32; -1 for a miss.
+#[pyfunction]
+pub(crate) fn _first<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| {
+        caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32)
+    })
+}
+
+/// Whether rays hit anything, bool.
+#[pyfunction]
+pub(crate) fn _any<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| caster.occluded(ray))
+}
+
+/// How many triangles rays go through, int64.
+#[pyfunction]
+pub(crate) fn _count<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, hits| {
+        caster.all_hits(ray, hits);
+        hits.len() as i64
+    })
+}
+
+/// Triangles and rays that meet, `(m,)` int64 each, and where, `(m, 3)` float64 on the planes of `vertices`; ray after ray, nearest
+/// first. `most` hits a ray: 1 asks for the nearest only.
+#[pyfunction]
+pub(crate) fn _meetings<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    vertices: &Bound<'py, PyAny>,
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+    most: usize,
+    threads: Option<i64>,
+) -> PyResult<Meetings<'py>> {
+    let (pairs, world) = (Pairs::read(origins, directions)?, scene.world());
+    let corners = Floats::read("vertices", vertices)?;
+    if corners.row_count("vertices", 3)? != world.accel().mesh().positions().len() {
+        return Err(refuse("vertices", "they are not those of the scene"));
+    }
+    let (corners, pool) = (corners.numbers()?, pool(py, threads)?);
+    let rays = pairs.rays(world.origin)?;
+    let meetings = find_meetings(py, &pool, world, corners, &rays, most)?;
+    rays.check("ray_origins, ray_directions")?;
+    gather(py, &meetings)
+}
+
+type Meetings<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
+
+/// Where a ray and a triangle meet.
+struct Meeting {
+    triangle: u32,
+    point: [f64; 3],
+}
+
+fn find_meetings(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    world: &World,
+    corners: Numbers<'_>,
+    rays: &RayRows<'_>,
+    most: usize,
+) -> PyResult<Vec<Found<Meeting>>> {
+    let caster = world.caster();
+    batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
+        let mut hits = Vec::new();
+        Found::by(window, |index, found| {
+            let ray = rays.get(index);
+            if most == 1 {
+                hits.clear();
+                hits.extend(caster.closest(&ray));
+            } else {
+                caster.all_hits(&ray, &mut hits);
+            }
+            found.extend(hits.iter().take(most).map(|hit| {
+                let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
+                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), hit);
+                Meeting { triangle: hit.tri.0, point }
+            }));
+        })
+    })
+}
+
+fn gather<'py>(py: Python<'py>, meetings: &[Found<Meeting>]) -> PyResult<Meetings<'py>> {
+    let count = meetings.iter().map(Found::len).sum();
+    let (triangles, rays) = (zeros::<i64>(py, &[count])?, zeros::<i64>(py, &[count])?);
+    let points = zeros::<f64>(py, &[count, 3])?;
+    {
+        let (mut triangles, mut rays) = (triangles.try_readwrite()?, rays.try_readwrite()?);
+        let mut points = points.try_readwrite()?;
+        let places = triangles.as_slice_mut()?.iter_mut().zip(rays.as_slice_mut()?);
+        let places = places.zip(points.as_slice_mut()?.as_chunks_mut::<3>().0);
+        let rows = meetings.iter().flat_map(Found::rows).enumerate();
+        let all = rows.flat_map(|(ray, met)| met.iter().map(move |meeting| (ray, meeting)));
+        for (((triangle, ray), point), (of_ray, meeting)) in places.zip(all) {
+            (*triangle, *ray, *point) = (i64::from(meeting.triangle), of_ray as i64, meeting.point);
+        }
+    }
+    Ok((triangles.cast_into()?, rays.cast_into()?, points.cast_into()?))
+}
+
+/// Where a ray and a triangle that it hits meet: on the ray and in the plane, without the rounding to 32 bits; but where
+/// the ray is so flat that this is far off, at the hit's weights of the corners.
+fn meeting_point([a, b, c]: [[f64; 3]; 3], (origin, direction): ([f64; 3], [f64; 3]), hit: &Hit) -> [f64; 3] {
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let normal = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
+    let weighted = [0, 1, 2].map(|k| a[k] + f64::from(hit.u) * ab[k] + f64::from(hit.v) * ac[k]);
+    let t = dot(normal, sub(a, origin)) / dot(normal, direction);
+    let point = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
+    let (off, size) = (sub(point, weighted), dot(ab, ab).max(dot(ac, ac)));
+    // NaN is far off, too.
+    if dot(off, off) <= 1e-4 * size { point } else { weighted }
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// As many origins as directions.
+struct Pairs<'py> {
+    origins: Floats<'py>,
+    directions: Floats<'py>,
+    count: usize,
+}
+
+impl<'py> Pairs<'py> {
+    fn read(origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let (origins, directions) = (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
+        let count = origins.row_count("ray_origins", 3)?;
+        let others = directions.row_count("ray_directions", 3)?;
+        if count != others {
+            return Err(refuse("ray_directions", format_args!("{others} directions for {count} origins")));
+        }
+        Ok(Self { origins, directions, count })
+    }
+
+    fn rays(&self, origin: [f64; 3]) -> PyResult<RayRows<'_>> {
+        Ok(RayRows::pairs(self.origins.numbers()?, self.directions.numbers()?, origin))
+    }
+
+    fn each<T: numpy::Element>(
+        &self,
+        py: Python<'py>,
+        world: &World,
+        threads: Option<i64>,
+        answer: impl Fn(&Caster, &Ray, &mut Vec<Hit>) -> T + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (rays, pool) = (self.rays(world.origin)?, pool(py, threads)?);
+        cast::each(py, &pool, world, &rays, &[self.count], "ray_origins, ray_directions", answer)
+    }
+}

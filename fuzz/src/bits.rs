@@ -1,0 +1,59 @@
+//! Bytes taken apart into numbers; zeros when they run out.
+
+use rdh::{Mesh, Ray, TriId};
+
+pub(crate) struct Bits<'a> {
+    data: &'a [u8],
+}
+
+impl<'a> Bits<'a> {
+    pub(crate) fn new(data: &'a [u8]) -> Self {
+        Self { data }
+    }
+
+    pub(crate) fn byte(&mut self) -> u8 {
+        let Some((&first, rest)) = self.data.split_first() else { return 0 };
+        self.data = rest;
+        first
+    }
+
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        self.byte() as usize % n.max(1)
+    }
+
+    /// Any bits, or a small number: those meet in ties and zeros.
+    pub(crate) fn float(&mut self) -> f32 {
+        match self.below(4) {
+            0 => f32::from_bits(u32::from_le_bytes([0; 4].map(|_| self.byte()))),
+            _ => f32::from(self.byte() as i8) / 16.0,
+        }
+    }
+
+    pub(crate) fn finite(&mut self) -> f32 {
+        let x = self.float();
+        if x.is_finite() { x } else { 0.5 }
+    }
+
+    /// From anywhere, at a corner, at an edge or along an axis.
+    pub(crate) fn ray(&mut self, mesh: &Mesh) -> Ray {
+        let origin = [0; 3].map(|_| self.float());
+        let direction = match self.below(3) {
+            0 => [0; 3].map(|_| self.float()),
+            1 if !mesh.is_empty() => {
+                let corners = mesh.corners(TriId(self.below(mesh.len()) as u32));
+                let (at, part) = (corners[self.below(3)], [0.0, 0.5][self.below(2)]);
+                [0, 1, 2].map(|a| at[a] + part * (corners[0][a] - at[a]) - origin[a])
+            }
+            _ => {
+                let mut direction = [0; 3].map(|_| [0.0, -0.0][self.below(2)]);
+                direction[self.below(3)] = [1.0, -1.0][self.below(2)];
+                direction
+            }
+        };
+        Ray::new(origin, direction).within(self.limit(f32::NEG_INFINITY), self.limit(f32::INFINITY))
+    }
+
+    fn limit(&mut self, usual: f32) -> f32 {
+        if self.below(4) == 0 { self.float() } else { usual }
+    }
+}

@@ -1,0 +1,47 @@
+//! The library's tests on 64-bit ARM, by emulation where the machine is another one: the NEON kernels, and the same bits.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::Result;
+
+use super::{Arguments, Outcome, outcome};
+
+const TARGET: &str = "aarch64-unknown-linux-gnu";
+/// Debian's: a Rust of its own, since ours may lack the target's library.
+const PACKAGES: &str = "qemu-user gcc-aarch64-linux-gnu libc6-dev:arm64 rustc-web cargo-web libstd-rust-web-dev:arm64";
+
+pub(super) fn run(_: &Arguments) -> Result<Outcome> {
+    if cfg!(target_arch = "aarch64") {
+        return Ok(Outcome::Skipped("this machine is one, and the ordinary tests do it".into()));
+    }
+    let Some((cargo, rustc)) = toolchain() else {
+        return Ok(Outcome::Skipped(format!("no Rust for {TARGET} is installed; Debian: {PACKAGES}")));
+    };
+    for tool in ["aarch64-linux-gnu-gcc", "qemu-aarch64"] {
+        if !says(Command::new(tool).arg("--version")) {
+            return Ok(Outcome::Skipped(format!("there is no {tool}; Debian: {PACKAGES}")));
+        }
+    }
+    let mut command = Command::new(cargo);
+    command.env("RUSTC", rustc).env_remove("RUSTUP_TOOLCHAIN");
+    command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
+    command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER", "qemu-aarch64");
+    command.args(["test", "--release", "-p", "rdh", "--target", TARGET, "--target-dir"]);
+    command.arg(crate::target()?.join("arm"));
+    outcome(command.args(["--lib", "--test", "properties", "--test", "builds"]))
+}
+
+/// A cargo and a compiler that have the target's library.
+fn toolchain() -> Option<(&'static str, &'static str)> {
+    let found = [("cargo", "rustc"), ("/usr/bin/cargo", "/usr/bin/rustc")];
+    found.into_iter().find(|(_, rustc)| {
+        let folder = Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
+        folder.is_ok_and(|out| Path::new(String::from_utf8_lossy(&out.stdout).trim()).is_dir())
+    })
+}
+
+/// Whether a program can be run.
+fn says(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
