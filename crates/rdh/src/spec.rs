@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, Width};
 use crate::error::{Error, Result};
-use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 /// What is to be built.
@@ -51,15 +51,22 @@ impl Spec {
 
     /// Refuses parts that don't go together.
     pub(crate) fn check(&self) -> Result<()> {
-        match self.structure {
+        let stages = match self.heuristic {
+            HeuristicSpec::Rdh(rdh) => rdh.stages,
+            _ => Stages::default(),
+        };
+        let reason = match self.structure {
             StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, splitter: Splitter::Objects, .. })
-                if self.needs_rays() =>
+                if self.needs_rays() && stages.splits == By::Rays =>
             {
-                let reason = "split=sweep compares areas: rdh counts rays between bins".to_owned();
-                Err(Error::Spec { spec: self.to_string(), reason })
+                "split=sweep compares areas: rdh counts rays between bins, unless splits=areas".to_owned()
             }
-            _ => Ok(()),
-        }
+            StructureSpec::Kd(_) if stages != Stages::default() => {
+                format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Spec { spec: self.to_string(), reason })
     }
 
     /// Parses a list of specs. Commas inside brackets don't separate.
@@ -254,9 +261,15 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
+            (stage, _) if Stages::NAMES.contains(&stage) => {
+                if let Some(by) = rdh.stages.get_mut(stage) {
+                    *by = choice(key, value, &[("rays", By::Rays), ("areas", By::Areas)])?;
+                }
+            }
             ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
-                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
+                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1, and for hierarchies \
+                             splits, moves, cuts and order=rays|areas";
                 return Err(unknown("rdh", key, known));
             }
         }
@@ -287,6 +300,9 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
         out.push(format!("cap={cap}"));
     }
+    let mut stages = rdh.stages;
+    let by_areas = Stages::NAMES.iter().filter(|name| stages.get_mut(name).is_some_and(|by| *by == By::Areas));
+    out.extend(by_areas.map(|name| format!("{name}=areas")));
     out
 }
 
@@ -373,6 +389,7 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
             ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
             ("bvh8(split=binned)", "bvh8+sah"),
             (" auto ", "auto"),
@@ -411,6 +428,8 @@ mod tests {
             "kd+kd",
             "kd(leaf=8",
             "kd+sah+rdh",
+            "kd+rdh(order=areas)",
+            "bvh8+rdh(order=area)",
             "auto+sah",
             "auto(x=1)",
         ] {

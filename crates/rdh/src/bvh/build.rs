@@ -9,13 +9,13 @@ use super::guided::ByRays;
 use super::layout::{Arrays, Draft};
 use super::leaves::Leaves;
 use super::link::Link;
+use super::order::Asker;
 use super::split::Search;
-use super::visits::Visits;
-use super::{Bvh, BvhSpec, Effort, Splitter, reinsert, spatial};
+use super::{Bvh, BvhSpec, Effort, Splitter, order, reinsert, spatial, visits};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Scale};
-use crate::heuristic::{Heuristic, Rdh, Sah};
+use crate::geom::{Aabb, Ray, RayFrame, Scale, TriId, Vec3, hit_triangle};
+use crate::heuristic::{By, Heuristic, Rdh, Sah, Stages};
 use crate::kd::{KdSpec, Prune};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
@@ -34,7 +34,8 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         watch.check_cancelled()?;
         let in_mesh = mesh.bounds();
         let scale = Scale::of(&in_mesh);
-        let build = Build { mesh, spec, guide, options, scale, bounds: scale.scaled(&in_mesh), watch: &watch };
+        let (bounds, tracked) = (scale.scaled(&in_mesh), guide.map(|rdh| rdh.thinned(RAYS_TRACKED)));
+        let build = Build { mesh, spec, guide, tracked, options, scale, bounds, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
         let arrays = Self::of_arrays(mesh, nodes.into(), blocks.into());
         let tree = Self { tally, level: options.level(), ..arrays };
@@ -64,11 +65,16 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// hierarchy, but a larger one (docs/measurements.md).
 const ONE_SPARE_IN: usize = 2;
 
+/// Sampled rays that are followed down the tree; more gain nothing.
+const RAYS_TRACKED: usize = 4096;
+
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
     spec: &'a BvhSpec,
     guide: Option<&'a Rdh>,
+    /// A fair part of its rays.
+    tracked: Option<Rdh>,
     options: &'a BuildOptions<'a>,
     scale: Scale,
     bounds: Aabb,
@@ -76,22 +82,35 @@ struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// The binary tree, improved as the effort says.
-    fn grow(&self) -> Result<Grown> {
+    /// The binary tree, improved as the effort says; and how often rays visit its nodes, if that has been found out.
+    fn grow(&self) -> Result<(Grown, Option<Vec<f32>>)> {
         if self.mesh.is_empty() {
-            return Ok(Grown::default());
+            return Ok((Grown::default(), None));
         }
         let grown = match self.spec.splitter {
             Splitter::Objects => self.grow_whole(self.primitives()?),
             Splitter::Spatial => self.grow_cutting(self.primitives()?),
             Splitter::KdTree => self.grow_cells(),
         };
-        let Grown { nodes, ids } = grown?;
-        let nodes = match self.spec.effort {
-            Effort::High => reinsert::reinsert(nodes, self.is_parallel(), self.watch)?,
-            _ => nodes,
+        self.improve(grown?)
+    }
+
+    /// Moves subtrees to better places: for the rays as far as the effort allows, by areas only if it is high.
+    fn improve(&self, Grown { nodes, ids }: Grown) -> Result<(Grown, Option<Vec<f32>>)> {
+        let rounds = match self.spec.effort {
+            Effort::Quick => 0,
+            Effort::Default => 4,
+            Effort::High => reinsert::ROUNDS,
         };
-        Ok(Grown { nodes, ids })
+        let (nodes, visits) = match (self.guide_of(|stages| stages.moves), self.spec.effort) {
+            (Some(rdh), Effort::Default | Effort::High) => {
+                let (nodes, visits) = reinsert::reinsert_for(rdh, nodes, rounds, self.is_parallel(), self.watch)?;
+                (nodes, Some(visits))
+            }
+            (None, Effort::High) => (reinsert::reinsert(nodes, self.is_parallel(), self.watch)?, None),
+            _ => (nodes, None),
+        };
+        Ok((Grown { nodes, ids }, visits))
     }
 
     fn grow_cutting(&self, references: Vec<Extent>) -> Result<Grown> {
@@ -100,10 +119,9 @@ impl Build<'_> {
     }
 
     fn grow_cells(&self) -> Result<Grown> {
-        let prune = if self.guide.is_some() { Prune::Visits } else { Prune::Area };
-        let heuristic: &dyn Heuristic = match self.guide {
-            Some(rdh) => rdh,
-            None => &Sah,
+        let (prune, heuristic): (_, &dyn Heuristic) = match self.guide.filter(|rdh| rdh.stages().splits == By::Rays) {
+            Some(rdh) => (Prune::Visits, rdh),
+            None => (Prune::Area, &Sah),
         };
         let spec = KdSpec { prune, ..KdSpec::default() };
         let cells = Cells { clipper: &self.clipper(), bounds: self.bounds, spec, heuristic, most: self.most_refs() };
@@ -121,7 +139,7 @@ impl Build<'_> {
     }
 
     fn grow_whole(&self, mut primitives: Vec<Extent>) -> Result<Grown> {
-        let nodes = match self.guide {
+        let nodes = match self.guide_of(|stages| stages.splits) {
             Some(rdh) => binary::grow(&mut primitives, self.search(), &ByRays(rdh), self.watch)?,
             None => binary::grow(&mut primitives, self.search(), &ByArea, self.watch)?,
         };
@@ -133,10 +151,7 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        self.mesh.of_solid(self.is_parallel(), |tri| {
-            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), tri.0, 0)
-        })
+        self.mesh.of_solid(self.is_parallel(), |tri| Extent::new(&Aabb::around(&self.corners(tri.0)), tri.0, 0))
     }
 
     fn search(&self) -> Search {
@@ -158,29 +173,59 @@ impl Build<'_> {
     }
 
     /// Wide nodes and blocks of triangles.
-    fn pack<B: Lanes, const W: usize>(&self, grown: Grown) -> Result<Arrays<B, W>> {
+    fn pack<B: Lanes, const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<B, W>> {
         let Grown { nodes, ids } = grown;
-        let weights = self.weights(&nodes)?;
+        let visits = match (self.guide_of(|stages| stages.cuts), visits) {
+            (Some(_), Some(visits)) => visits,
+            (Some(rdh), None) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
+            (None, _) => visits::by_area(&nodes)?,
+        };
         self.watch.check_cancelled()?;
         let repeated = self.cuts_triangles().then_some(&ids[..]);
-        let chance = |i: usize| weights.chances[i];
-        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, chance, self.is_parallel(), self.watch)?;
-        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
-        // cost; but where triangles were cut, a large child that holds little is soon done with.
-        let order = |i: usize| match self.guide {
-            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
-            None if self.cuts_triangles() => weights.stops[i] / cuts.count(i) as f32,
-            None => weights.stops[i],
-        };
-        let put = |block: &mut B, lane, id| block.put(lane, id, self.mesh);
+        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
+        let order = self.order(&nodes, &ids, &cuts)?;
+        let (order, put) = (|i: usize| order[i], |block: &mut B, lane, id| block.put(lane, id, self.mesh));
         let (parallel, watch) = (self.is_parallel(), self.watch);
         Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, put, parallel, watch }.lay_out()
     }
 
-    fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {
-        match self.guide {
-            Some(rdh) => Visits::measure(nodes, rdh, self.watch),
-            None => Visits::by_area(nodes),
+    /// Any-hit rays take those children first that get the highest numbers here.
+    fn order<const W: usize>(&self, nodes: &[BinaryNode], ids: &[u32], cuts: &Cuts<W>) -> Result<Vec<f32>> {
+        let mut order = visits::by_area(nodes)?;
+        if self.cuts_triangles() {
+            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where triangles were cut, a large
+            // child that holds little is soon done with.
+            order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
         }
+        // All rays are asked who asks for any hit: there may be few.
+        if let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) {
+            let askers = Asker::all(rdh, self.bounds.magnitude());
+            let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
+            order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
+        }
+        Ok(order)
+    }
+
+    /// Whether a ray, in scaled space, hits a triangle below a binary node.
+    fn is_hit_below(&self, nodes: &[BinaryNode], ids: &[u32], node: usize, ray: &Ray) -> bool {
+        let this = &nodes[node];
+        if this.is_interior() {
+            return [node + 1, this.right()].into_iter().any(|child| self.is_hit_below(nodes, ids, child, ray));
+        }
+        let frame = RayFrame::new(ray);
+        ids[this.range()].iter().any(|&id| {
+            let is_seen = self.mesh.masks().is_none_or(|masks| masks[id as usize] & ray.mask != 0);
+            is_seen && hit_triangle(&frame, &self.corners(id), TriId(id)).is_some()
+        })
+    }
+
+    /// In scaled space.
+    fn corners(&self, id: u32) -> [Vec3; 3] {
+        self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()))
+    }
+
+    /// The rays, if a stage is to know them.
+    fn guide_of(&self, stage: impl Fn(&Stages) -> By) -> Option<&Rdh> {
+        self.tracked.as_ref().filter(|rdh| stage(&rdh.stages()) == By::Rays)
     }
 }

@@ -116,11 +116,6 @@ impl<const W: usize> Cuts<W> {
         (children, n)
     }
 
-    /// What a subtree is expected to cost a ray that meets the root, if it hangs there as one child.
-    pub(crate) fn cost(&self, node: usize) -> f32 {
-        self.0[node].forest[0]
-    }
-
     /// The references below a node.
     pub(crate) fn count(&self, node: usize) -> u32 {
         self.0[node].count

@@ -1,9 +1,9 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
 //! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`, `sweep`) or by sampled rays
-//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it; `visits` says how
-//! often rays come to each node,
-//! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
+//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it, for rays as `crowd`
+//! counts them; `visits` says how often rays come to each node, `collapse` cuts it into wide nodes, `order` says which child any-hit
+//! rays try first, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
 
 mod binary;
@@ -12,12 +12,14 @@ mod cells;
 mod check;
 mod chop;
 mod collapse;
+mod crowd;
 mod extent;
 mod grown;
 mod guided;
 mod layout;
 mod leaves;
 mod link;
+mod order;
 mod reinsert;
 mod spatial;
 mod spec;

@@ -7,16 +7,20 @@
 use rayon::prelude::*;
 
 use super::binary::{BinaryNode, DEEPEST};
+use super::crowd::Crowd;
 use super::extent::Extent;
 use crate::error::Result;
+use crate::heuristic::Rdh;
 use crate::mem::reserve;
 use crate::options::Watch;
 use crate::simd::Portable;
 
 /// Rounds of search and moves.
-const ROUNDS: usize = 8;
+pub(crate) const ROUNDS: usize = 8;
 /// Of all nodes, the largest are searched a place for: one in so many.
 const SHARE: usize = 4;
+/// Below nodes that fewer sampled rays visit nothing is moved for their sake.
+const FEW: usize = 4;
 /// Nodes whose areas one thread adds up.
 const CHUNK: usize = 1 << 14;
 
@@ -31,7 +35,7 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
     for _ in 0..ROUNDS {
         watch.check_cancelled()?;
         before.copy_from(&tree);
-        if !tree.improve(&mut round, parallel, watch)? {
+        if !tree.improve(None, &mut round, parallel, watch)? {
             break;
         }
         // Each move gains by itself; what several of them do to the same ancestors was not asked.
@@ -42,11 +46,40 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
         }
         cost = now;
     }
-    tree.in_preorder(nodes)
+    tree.in_preorder(&nodes)
+}
+
+/// A tree of the same leaves that sampled rays visit less, or the same tree; and the chances that a ray which meets the root visits each
+/// node. Moves are found as above, but only those are made that pay for the rays.
+pub(crate) fn reinsert_for(
+    rdh: &Rdh,
+    mut nodes: Vec<BinaryNode>,
+    rounds: usize,
+    parallel: bool,
+    watch: &Watch<'_>,
+) -> Result<(Vec<BinaryNode>, Vec<f32>)> {
+    let mut crowd = Crowd::new(&nodes, rdh, watch)?;
+    let mut round = Round::new(nodes.len())?;
+    let mut cost = crowd.cost(&nodes);
+    for _ in 0..rounds {
+        watch.check_cancelled()?;
+        let mut tree = Tree::new(&nodes)?;
+        if !tree.improve(Some(&crowd), &mut round, parallel, watch)? || tree.depth() > DEEPEST {
+            break;
+        }
+        let moved = tree.in_preorder(&nodes)?;
+        let now = Crowd::new(&moved, rdh, watch)?;
+        let cost_now = now.cost(&moved);
+        if cost_now >= cost {
+            break;
+        }
+        (nodes, crowd, cost) = (moved, now, cost_now);
+    }
+    Ok((nodes, crowd.into_chances()))
 }
 
 /// The tree while nodes move about: node 0 is the root.
-struct Tree {
+pub(crate) struct Tree {
     extents: Vec<Extent>,
     links: Vec<Links>,
 }
@@ -60,9 +93,9 @@ struct Links {
 
 /// A subtree, the node that is to become its sibling, and what that saves.
 #[derive(Clone, Copy)]
-struct Move {
-    node: u32,
-    to: u32,
+pub(crate) struct Move {
+    pub(crate) node: u32,
+    pub(crate) to: u32,
     gain: f32,
 }
 
@@ -81,7 +114,7 @@ impl Round {
     fn new(n: usize) -> Result<Self> {
         let (mut candidates, mut moves, mut touched) = (Vec::new(), Vec::new(), Vec::new());
         reserve(&mut candidates, n, "nodes")?;
-        reserve(&mut moves, n.div_ceil(SHARE), "moves")?;
+        reserve(&mut moves, n, "moves")?;
         reserve(&mut touched, n, "nodes")?;
         touched.resize(n, false);
         Ok(Self { candidates, moves, touched })
@@ -121,11 +154,17 @@ impl Tree {
         self.links.chunks(CHUNK).zip(self.extents.chunks(CHUNK)).map(sum).sum()
     }
 
-    /// Searches and moves once; whether anything moved.
-    fn improve(&mut self, round: &mut Round, parallel: bool, watch: &Watch<'_>) -> Result<bool> {
+    /// Searches and moves once, by areas or where it pays for a crowd of rays; whether anything moved.
+    fn improve(
+        &mut self,
+        crowd: Option<&Crowd<'_>>,
+        round: &mut Round,
+        parallel: bool,
+        watch: &Watch<'_>,
+    ) -> Result<bool> {
         let Round { candidates, moves, touched } = round;
-        self.choose_candidates(candidates, parallel);
-        self.search(candidates, moves, parallel, watch)?;
+        self.choose_candidates(crowd, candidates, parallel);
+        self.search(crowd, candidates, moves, parallel, watch)?;
         touched.fill(false);
         let mut any = false;
         for (i, step) in moves.iter().enumerate() {
@@ -142,12 +181,24 @@ impl Tree {
     }
 
     /// The candidates' best moves, as far as they gain: those that gain most come first.
-    fn search(&self, candidates: &[Candidate], moves: &mut Vec<Move>, parallel: bool, watch: &Watch<'_>) -> Result<()> {
+    fn search(
+        &self,
+        crowd: Option<&Crowd<'_>>,
+        candidates: &[Candidate],
+        moves: &mut Vec<Move>,
+        parallel: bool,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
         moves.clear();
         moves.extend(candidates.iter().map(|&(_, node)| Move { node, to: node, gain: 0.0 }));
         let search = |moves: &mut [Move]| {
             watch.check_cancelled()?;
-            moves.iter_mut().for_each(|best| *best = self.best_move(best.node));
+            for best in moves {
+                *best = self.best_move(best.node);
+                if let Some(crowd) = crowd.filter(|_| self.is_worth_a_move(best)) {
+                    best.gain = crowd.gain(self, best);
+                }
+            }
             Ok(())
         };
         if parallel {
@@ -155,7 +206,7 @@ impl Tree {
         } else {
             moves.chunks_mut(Watch::STEPS).try_for_each(search)?;
         }
-        moves.retain(|step| step.gain > 0.0 && step.to != step.node && step.to != self.sibling(step.node));
+        moves.retain(|step| self.is_worth_a_move(step));
         // No two are equal: any sort gives the same.
         let order = |a: &Move, b: &Move| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node));
         if parallel {
@@ -166,11 +217,18 @@ impl Tree {
         Ok(())
     }
 
-    /// The nodes with the largest boxes, but for the root and its children.
-    fn choose_candidates(&self, candidates: &mut Vec<Candidate>, parallel: bool) {
+    /// Whether a move gains, and does more than to change places with the sibling.
+    fn is_worth_a_move(&self, step: &Move) -> bool {
+        step.gain > 0.0 && step.to != step.node && step.to != self.sibling(step.node)
+    }
+
+    /// The nodes with the largest boxes, but for the root and its children; or all whose parents are visited: what is moved away from there
+    /// need not be visited itself.
+    fn choose_candidates(&self, crowd: Option<&Crowd<'_>>, candidates: &mut Vec<Candidate>, parallel: bool) {
         let candidate = |node: u32| {
             let area = std::cmp::Reverse(self.area(node).to_bits());
-            (self.links[node as usize].parent != 0).then_some((area, node))
+            let is_visited = crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
+            (self.parent(node) != 0 && is_visited).then_some((area, node))
         };
         let nodes = 1..self.links.len() as u32;
         candidates.clear();
@@ -178,6 +236,9 @@ impl Tree {
             candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
         } else {
             candidates.extend(nodes.filter_map(candidate));
+        }
+        if crowd.is_some() {
+            return;
         }
         let most = candidates.len().div_ceil(SHARE);
         if most < candidates.len() {
@@ -187,7 +248,33 @@ impl Tree {
         candidates.sort_unstable_by_key(|&(_, node)| node);
     }
 
-    fn area(&self, node: u32) -> f32 {
+    /// The lowest node above both ends of a move.
+    pub(crate) fn meeting(&self, step: &Move) -> u32 {
+        let mut above = Vec::with_capacity(DEEPEST as usize);
+        let mut node = step.node;
+        while node != 0 {
+            node = self.parent(node);
+            above.push(node);
+        }
+        let mut top = step.to;
+        while !above.contains(&top) {
+            top = self.parent(top);
+        }
+        top
+    }
+
+    /// Of all nodes but the root, which is its own.
+    pub(crate) fn parent(&self, node: u32) -> u32 {
+        self.links[node as usize].parent
+    }
+
+    /// A node's box.
+    pub(crate) fn extent(&self, node: u32) -> Extent {
+        self.extents[node as usize]
+    }
+
+    /// Half of a node's surface.
+    pub(crate) fn area(&self, node: u32) -> f32 {
         self.extents[node as usize].half_area()
     }
 
@@ -197,7 +284,8 @@ impl Tree {
         both.half_area()
     }
 
-    fn sibling(&self, node: u32) -> u32 {
+    /// The other child of a node's parent.
+    pub(crate) fn sibling(&self, node: u32) -> u32 {
         let [a, b] = self.links[self.links[node as usize].parent as usize].children;
         if a == node { b } else { a }
     }
@@ -314,7 +402,7 @@ impl Tree {
     }
 
     /// As the other stages want it; the leaves keep their ranges.
-    fn in_preorder(&self, old: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+    fn in_preorder(&self, old: &[BinaryNode]) -> Result<Vec<BinaryNode>> {
         let mut nodes: Vec<BinaryNode> = Vec::new();
         reserve(&mut nodes, old.len(), "nodes")?;
         // A node, and the place of the parent whose right child it is.

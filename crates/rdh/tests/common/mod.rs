@@ -39,6 +39,7 @@ pub const SPECS: &[&str] = &[
     "bvh8(from=kd)+rdh",
     "bvh2(quick,from=kd)+rdh(paper)",
     "bvh2+rdh(prior=0)",
+    "bvh8+rdh(splits=areas,order=areas)",
     "sbvh8(high)+rdh(rays=whole)",
 ];
 
@@ -48,9 +49,12 @@ pub fn build_spec(mesh: &Mesh, spec: &str) -> Accel {
     build(mesh, &spec, &training(mesh), &BuildOptions::default()).expect("a valid mesh builds")
 }
 
-/// Rays for training: from inside and outside, with their hits.
+/// Rays for training: from inside and outside, with their hits; every third one would take any.
 pub fn training(mesh: &Mesh) -> Training {
     use rdh::{Query, RayClass, RaySample, naive};
-    let sample = |ray| RaySample::new(ray, naive::closest(mesh, &ray), Query::Closest, RayClass::Other);
-    Training::from_samples(rays::mixed(mesh, 300, 7).into_iter().map(sample).collect())
+    let sample = |(i, ray)| {
+        let query = if i % 3 == 0 { Query::Occluded } else { Query::Closest };
+        RaySample::new(ray, naive::closest(mesh, &ray), query, RayClass::Other)
+    };
+    Training::from_samples(rays::mixed(mesh, 300, 7).into_iter().enumerate().map(sample).collect())
 }
