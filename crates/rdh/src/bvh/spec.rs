@@ -56,6 +56,6 @@ pub enum SplitSearch {
     /// Between bins of their centres: O(N log N), and nearly as good. Recommended.
     #[default]
     Binned,
-    /// Between any two of them: O(N log² N). For `sah` alone.
+    /// Between any two of them: O(N log² N). By areas alone: with a ray heuristic only where spatial splits are chosen by areas, too.
     Sweep,
 }
