@@ -11,8 +11,10 @@ pub struct BvhSpec {
     pub effort: Effort,
     /// Where primitives may be parted.
     pub split: SplitSearch,
-    /// Whether primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
-    pub spatial: bool,
+    /// What parts the primitives.
+    pub splitter: Splitter,
+    /// What leaves hold of triangles.
+    pub triangles: Triangles,
 }
 
 /// How many children a node has at most.
@@ -37,6 +39,28 @@ pub enum Effort {
     Default,
     /// Nodes are moved about afterwards, where that makes the tree cheaper: for scenes that stay.
     High,
+}
+
+/// What parts the primitives of the binary tree that wide nodes are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Splitter {
+    /// Each primitive goes to one side, whole. Recommended.
+    #[default]
+    Objects,
+    /// Primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
+    Spatial,
+    /// The cells of a kd-tree: primitives are cut at all of its planes. The heuristic chooses these.
+    KdTree,
+}
+
+/// What leaves hold of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Triangles {
+    /// Copies of their corners. Recommended.
+    #[default]
+    Copied,
+    /// The indices of their vertices in the mesh: less memory, slower to trace. For eight children a node.
+    Shared,
 }
 
 impl Width {

@@ -31,7 +31,13 @@ pub const SPECS: &[&str] = &[
     "sbvh4(split=sweep)+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
+    "bvh8(from=kd)+sah",
+    "bvh4(high,from=kd)+sah",
+    "bvh8(compact)+sah",
+    "sbvh8(quick,compact)+sah",
     "bvh8+rdh",
+    "bvh8(from=kd)+rdh",
+    "bvh2(quick,from=kd)+rdh(paper)",
     "bvh2+rdh(prior=0)",
     "sbvh8(high)+rdh(rays=whole)",
 ];
