@@ -155,7 +155,7 @@ fn row(scene: &str, mesh: &Mesh, spec: &Spec, rounds: usize, ceiling: &mut Ceili
         same_trees &= one.fingerprint() == two.fingerprint();
         cpu_secs = cpu_secs.min(cpu);
         elapsed = [elapsed[0].min(secs), elapsed[1].min(secs_of_two)];
-        stats = Some(two.stats().clone());
+        stats = Some(*two.stats());
     }
     let stats = stats.ok_or("no rounds")?;
     let triangles = mesh.len();

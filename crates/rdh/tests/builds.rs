@@ -92,7 +92,7 @@ fn reference_budgets_are_kept() {
 #[test]
 fn byte_and_depth_budgets_are_kept_or_refused() {
     let mesh = soup(5000, 0.2, 5);
-    let free = build_spec(&mesh, "kd+sah").stats().clone();
+    let free = *build_spec(&mesh, "kd+sah").stats();
     let options = BuildOptions { max_bytes: Some(free.bytes / 2), ..BuildOptions::default() };
     let accel = build(&mesh, &Spec::default(), &Training::none(), &options).expect("half of it is enough");
     assert!(accel.stats().bytes <= free.bytes / 2);
@@ -153,7 +153,7 @@ fn builds_can_be_cancelled_in_every_stage() {
 /// Memory and nodes grow no faster than the mesh, and steps a ray only as its logarithm.
 #[test]
 fn trees_grow_with_their_meshes() {
-    let stats: Vec<_> = [40, 160].map(|n| build_spec(&terrain(n), "kd+sah").stats().clone()).into();
+    let stats: Vec<_> = [40, 160].map(|n| *build_spec(&terrain(n), "kd+sah").stats()).into();
     let growth = |f: fn(&rdh::Stats) -> usize| f(&stats[1]) as f64 / f(&stats[0]) as f64 / 16.0;
     assert!(growth(|s| s.references) < 1.2 && growth(|s| s.bytes) < 1.2 && growth(|s| s.nodes) < 1.2, "{stats:?}");
     assert!(stats[1].depth <= stats[0].depth + 8);
@@ -165,7 +165,7 @@ fn identical_triangles_are_one_leaf() {
     let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1]];
     let mesh = Mesh::new(points, vec![[0, 1, 2]; 20_000]).expect("a valid mesh");
     for spec in ["kd+sah", "kd(leaf=1,split=exact)+sah"] {
-        let stats = build_spec(&mesh, spec).stats().clone();
+        let stats = *build_spec(&mesh, spec).stats();
         assert!(stats.references <= 40_000 && stats.nodes < 100, "{spec}: {stats:?}");
     }
 }

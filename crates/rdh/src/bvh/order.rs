@@ -148,8 +148,8 @@ impl<F: Fn(&Asker, usize) -> bool, const W: usize> Trial<'_, F, W> {
                 stopped / cost
             };
             let (mut best, mut most) = (place, worth(order[place]));
-            for other in place + 1..children.len() {
-                let worth = worth(order[other]);
+            for (other, &child) in order.iter().enumerate().skip(place + 1) {
+                let worth = worth(child);
                 if worth > most {
                     (best, most) = (other, worth);
                 }

@@ -55,7 +55,7 @@ impl Training {
     /// [`Profile::split`](super::Profile::split).
     pub(crate) fn part(&self) -> (Self, HeldOut) {
         let hash = RayHash::new(0, Purpose::Part);
-        let learnt = |s: &&RaySample| hash.of_ray(&s.ray) % 3 != 0;
+        let learnt = |s: &&RaySample| !hash.of_ray(&s.ray).is_multiple_of(3);
         let (training, held_out): (Vec<&RaySample>, Vec<&RaySample>) = self.0.iter().partition(learnt);
         let owned = |part: Vec<&RaySample>| part.into_iter().copied().collect();
         (Self(owned(training)), HeldOut(owned(held_out)))

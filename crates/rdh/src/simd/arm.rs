@@ -68,21 +68,21 @@ pub(super) fn load_u32(from: &[u32; 4]) -> U32 {
 #[inline(always)]
 pub(super) fn numbers(register: F32) -> [f32; 4] {
     // SAFETY: as in `load`.
-    unsafe { std::mem::transmute(register) }
+    unsafe { std::mem::transmute_copy(&register) }
 }
 
 /// The numbers of a register.
 #[inline(always)]
 pub(super) fn numbers_u32(register: U32) -> [u32; 4] {
     // SAFETY: as in `load`.
-    unsafe { std::mem::transmute(register) }
+    unsafe { std::mem::transmute_copy(&register) }
 }
 
 /// The numbers of a register.
 #[inline(always)]
 pub(super) fn numbers_i32(register: I32) -> [i32; 4] {
     // SAFETY: as in `load`.
-    unsafe { std::mem::transmute(register) }
+    unsafe { std::mem::transmute_copy(&register) }
 }
 
 #[cfg(not(target_arch = "aarch64"))]

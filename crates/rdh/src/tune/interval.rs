@@ -71,7 +71,7 @@ impl Paired {
 /// The part of a t distribution below `t`, for an even number of degrees of freedom: a finite sum (Abramowitz and Stegun
 /// 26.7.4) that needs no function which platforms round differently.
 fn student_t(t: f64, freedom: u32) -> f64 {
-    debug_assert!(freedom >= 2 && freedom % 2 == 0, "{freedom}");
+    debug_assert!(freedom >= 2 && freedom.is_multiple_of(2), "{freedom}");
     let nu = f64::from(freedom);
     let (sine, cosine2) = (t / (nu + t * t).sqrt(), nu / (nu + t * t));
     let (mut term, mut sum) = (1.0, 1.0);

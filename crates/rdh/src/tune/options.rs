@@ -72,7 +72,9 @@ impl TuneOptions<'_> {
             return fail(format!("{} rounds: 1 to 1000 are possible", self.rounds));
         }
         match self.max_build_secs {
-            Some(secs) if !(secs >= 0.0) => fail(format!("a limit of {secs} build seconds: 0 or more are needed")),
+            Some(secs) if secs.is_nan() || secs < 0.0 => {
+                fail(format!("a limit of {secs} build seconds: 0 or more are needed"))
+            }
             Some(_) if !clock => fail("a limit of build seconds needs a clock".to_owned()),
             _ => Ok(()),
         }

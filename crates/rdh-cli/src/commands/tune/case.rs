@@ -20,7 +20,7 @@ use crate::staged::Staged;
 #[derive(Debug)]
 pub(super) enum Source {
     Mode(Mode),
-    File(PathBuf, Profile),
+    File(PathBuf, Box<Profile>),
 }
 
 /// What was chosen for a view's rays, and why.
@@ -52,7 +52,7 @@ impl Source {
 
     fn profile(&self, staged: &Staged, args: &TuneArgs, seed: u64) -> Result<Profile> {
         match self {
-            Self::File(_, profile) => Ok(profile.clone()),
+            Self::File(_, profile) => Ok(profile.as_ref().clone()),
             Self::Mode(mode) => {
                 let first: Spec = FIRST.parse()?;
                 let accel = staged.build(&first, &Training::none())?;

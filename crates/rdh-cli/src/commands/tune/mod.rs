@@ -91,7 +91,7 @@ fn candidates(args: &TuneArgs) -> Result<Vec<Spec>> {
 
 fn sources(args: &TuneArgs) -> Result<Vec<Source>> {
     match &args.rays {
-        Some(file) => Ok(vec![Source::File(file.clone(), super::rays::read(file)?)]),
+        Some(file) => Ok(vec![Source::File(file.clone(), Box::new(super::rays::read(file)?))]),
         None => Ok(args.mode.iter().map(|&mode| Source::Mode(mode)).collect()),
     }
 }
