@@ -84,7 +84,7 @@ def draw(path: pathlib.Path, scene: rdh.Scene, points: np.ndarray, hours: np.nda
     figure, axes = pyplot.subplots(figsize=(9, 6), dpi=110)
     axes.set_facecolor("#202020")
     order = np.argsort(-depth)
-    dots = axes.scatter(x[order], y[order], c=hours[seen][order], s=1.2, linewidths=0, cmap="inferno", rasterized=True)
+    dots = axes.scatter(x[order], y[order], c=hours[seen][order], s=4, linewidths=0, cmap="inferno", rasterized=True)
     axes.set(aspect="equal", xticks=[], yticks=[], title="Hours of sunlight a year on the facades of a town at 48 degrees north")
     figure.colorbar(dots, label="hours a year", shrink=0.7)
     figure.savefig(path, bbox_inches="tight")
@@ -105,7 +105,8 @@ def main(argv: list[str] | None = None) -> common.Times:
     hours = visible @ hours_by_patch(patches)
     np.save(out / "hours.npy", np.column_stack([points, hours]))
     draw(out / "sunlight.png", scene, points, hours)
-    print(f"{len(points):,} points, {hours.mean():.0f} hours a year on average, {hours.max():.0f} at most: {out}")
+    lit = hours > 0
+    print(f"{len(points):,} points, {lit.sum():,} of them see the sun, {hours[lit].mean():.0f} hours a year on average: {out}")
     recorded = np.arange(len(points)) % 10 == 0
     training, test = rays[recorded][ahead[recorded]], rays[~recorded][ahead[~recorded]]
     times = common.study(scene, training, test, out, occluded=True, rounds=given.rounds, dask=not given.no_dask)

@@ -8,15 +8,11 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use rdh::Aabb;
-
-use crate::order::order;
-use crate::rays::RayRows;
 
 /// So many rays are cast before it is asked again whether to go on.
 const STRIDE: usize = 512;
-/// Rays that one thread takes at a time, at most: the more, the better they can be ordered.
-const WINDOW: usize = 1 << 18;
+/// Rays that one thread takes at a time, at most.
+const WINDOW: usize = 1 << 16;
 /// How long Ctrl-C may go unnoticed.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -71,35 +67,31 @@ pub(crate) fn supervise<T: Send>(
 /// Some of a batch's rays, which one thread casts.
 pub(crate) struct Window<'a> {
     rays: Range<usize>,
-    order: Option<Vec<u32>>,
     cancel: Option<&'a Cancel>,
 }
 
-impl<'a> Window<'a> {
-    fn new(rays: Range<usize>, all: &RayRows<'_>, bounds: &Aabb, cancel: Option<&'a Cancel>) -> Self {
-        let order = order(rays.len(), bounds, |row| all.get(rays.start + row));
-        Self { rays, order, cancel }
-    }
-
+impl Window<'_> {
     /// How many rays there are.
     pub(crate) fn len(&self) -> usize {
         self.rays.len()
     }
 
-    /// Does `work` for each ray, with its row in the window and its number in the batch, in the best order; stops if that is wanted.
+    /// Does `work` for a few rays at a time, with their rows in the window and the number of the first one in the batch; stops if that
+    /// is wanted.
     #[inline]
-    pub(crate) fn each(&self, mut work: impl FnMut(usize, usize)) {
-        let first = self.rays.start;
+    pub(crate) fn strides(&self, mut work: impl FnMut(Range<usize>, usize)) {
         for from in (0..self.len()).step_by(STRIDE) {
             if self.cancel.is_some_and(Cancel::is_wanted) {
                 return;
             }
-            let rows = from..self.len().min(from + STRIDE);
-            match &self.order {
-                None => rows.for_each(|row| work(row, first + row)),
-                Some(order) => order[rows].iter().for_each(|&row| work(row as usize, first + row as usize)),
-            }
+            work(from..self.len().min(from + STRIDE), self.rays.start + from);
         }
+    }
+
+    /// Does `work` for each ray, with its row in the window and its number in the batch; stops if that is wanted.
+    #[inline]
+    pub(crate) fn each(&self, mut work: impl FnMut(usize, usize)) {
+        self.strides(|rows, first| rows.zip(first..).for_each(|(row, ray)| work(row, ray)));
     }
 }
 
@@ -122,20 +114,19 @@ impl<T: Send> Columns for &mut [T] {
 pub(crate) fn fill<C: Columns>(
     py: Python<'_>,
     pool: &ThreadPool,
-    rays: &RayRows<'_>,
-    bounds: &Aabb,
+    count: usize,
     mut columns: C,
     work: impl Fn(&Window<'_>, C) + Sync,
 ) -> PyResult<()> {
-    if rays.len() <= STRIDE {
-        py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None), columns));
+    if count <= STRIDE {
+        py.detach(|| work(&Window { rays: 0..count, cancel: None }, columns));
         return Ok(());
     }
-    let parts = windows(rays.len(), pool).map(|window| (window.clone(), columns.take(window.len())));
+    let parts = windows(count, pool).map(|window| (window.clone(), columns.take(window.len())));
     let parts: Vec<(Range<usize>, C)> = parts.collect();
     supervise(py, pool, |cancel| {
         let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
-        open.for_each(|(window, columns)| work(&Window::new(window, rays, bounds, Some(cancel)), columns));
+        open.for_each(|(window, columns)| work(&Window { rays: window, cancel: Some(cancel) }, columns));
     })
 }
 
@@ -146,24 +137,21 @@ pub(crate) fn fill<C: Columns>(
 pub(crate) fn map<T: Send>(
     py: Python<'_>,
     pool: &ThreadPool,
-    rays: &RayRows<'_>,
-    bounds: &Aabb,
+    count: usize,
     work: impl Fn(&Window<'_>) -> T + Sync + Send,
 ) -> PyResult<Vec<T>> {
-    if rays.len() <= STRIDE {
-        return Ok(vec![py.detach(|| work(&Window::new(0..rays.len(), rays, bounds, None)))]);
+    if count <= STRIDE {
+        return Ok(vec![py.detach(|| work(&Window { rays: 0..count, cancel: None }))]);
     }
-    let parts: Vec<Range<usize>> = windows(rays.len(), pool).collect();
+    let parts: Vec<Range<usize>> = windows(count, pool).collect();
     supervise(py, pool, |cancel| {
         let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
-        open.map(|window| work(&Window::new(window, rays, bounds, Some(cancel)))).collect()
+        open.map(|window| work(&Window { rays: window, cancel: Some(cancel) })).collect()
     })
 }
 
-/// Windows over so many rays: four a thread, so that all end at about the same time; but no smaller than it is worth, and no larger
-/// than caches hold.
+/// Windows over so many rays: many a thread, so that all end at about the same time.
 fn windows(count: usize, pool: &ThreadPool) -> impl Iterator<Item = Range<usize>> + use<> {
-    let parts = if pool.current_num_threads() == 1 { 1 } else { 4 * pool.current_num_threads() };
-    let window = count.div_ceil(parts).clamp(STRIDE, WINDOW);
+    let window = count.div_ceil(8 * pool.current_num_threads()).clamp(STRIDE, WINDOW);
     (0..count).step_by(window).map(move |first| first..count.min(first + window))
 }

@@ -7,7 +7,7 @@ use rayon::ThreadPool;
 use rdh::{Hit, Mesh};
 
 use crate::arrays::{refuse, zeros};
-use crate::batch::{self, Columns, Window};
+use crate::batch::{self, Columns};
 use crate::rays::RayRows;
 use crate::world::{Caster, World};
 
@@ -118,8 +118,14 @@ pub(crate) fn closest<'py>(
         primitive_normals: rows(&mut primitive_normals)?,
     };
     let caster = world.caster();
-    batch::fill(py, pool, rays, &caster.accel.bounds(), fields, |window, mut fields| {
-        window.each(|row, ray| fields.set(row, caster.closest(&rays.get(ray)), caster.accel.mesh()));
+    batch::fill(py, pool, rays.len(), fields, |window, mut fields| {
+        let mut hits = Vec::new();
+        // First all are traced, then their results fetched: so the processor waits for many of the mesh's triangles at a time.
+        window.strides(|rows, first| {
+            hits.clear();
+            hits.extend((first..).take(rows.len()).map(|ray| caster.closest(&rays.get(ray))));
+            rows.zip(&hits).for_each(|(row, hit)| fields.set(row, *hit, caster.accel.mesh()));
+        });
     })?;
     rays.check("rays")?;
     Ok(made.result)
@@ -168,7 +174,7 @@ pub(crate) fn each<'py, T: Element>(
     let array = zeros::<T>(py, shape)?;
     let mut held = array.try_readwrite()?;
     let caster = world.caster();
-    batch::fill(py, pool, rays, &caster.accel.bounds(), held.as_slice_mut()?, |window, rows| {
+    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |window, rows| {
         let mut hits = Vec::new();
         window.each(|row, ray| rows[row] = answer(&caster, &rays.get(ray), &mut hits));
     })?;
@@ -176,23 +182,18 @@ pub(crate) fn each<'py, T: Element>(
     Ok(array.into_any())
 }
 
-/// What is found for the rays of a window: several things a ray, ray by ray, but found in any order.
+/// What is found for the rays of a window: several things a ray, ray by ray.
 pub(crate) struct Found<T> {
-    /// Where in `things` those of each ray begin, and how many they are.
-    spans: Vec<(usize, usize)>,
-    things: Vec<T>,
+    /// How many each ray has.
+    pub(crate) counts: Vec<u32>,
+    /// All of them.
+    pub(crate) things: Vec<T>,
 }
 
 impl<T> Found<T> {
-    /// Asks for each ray of a window what there is; `find` adds it to the things.
-    pub(crate) fn by(window: &Window<'_>, mut find: impl FnMut(usize, &mut Vec<T>)) -> Self {
-        let mut found = Self { spans: vec![(0, 0); window.len()], things: Vec::new() };
-        window.each(|row, ray| {
-            let first = found.things.len();
-            find(ray, &mut found.things);
-            found.spans[row] = (first, found.things.len() - first);
-        });
-        found
+    /// Nothing yet, for so many rays.
+    pub(crate) fn with_capacity(rays: usize) -> Self {
+        Self { counts: Vec::with_capacity(rays), things: Vec::new() }
     }
 
     /// How many things there are.
@@ -202,7 +203,12 @@ impl<T> Found<T> {
 
     /// The things of each ray.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &[T]> {
-        self.spans.iter().map(|&(first, count)| &self.things[first..first + count])
+        let mut rest = &self.things[..];
+        self.counts.iter().map(move |&count| {
+            let (of_ray, others) = rest.split_at(count as usize);
+            rest = others;
+            of_ray
+        })
     }
 }
 
@@ -210,14 +216,21 @@ impl<T> Found<T> {
 ///
 /// # Errors
 /// As [`closest`].
-pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays: &RayRows<'_>) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn list<'py>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+) -> PyResult<Bound<'py, PyDict>> {
     let caster = world.caster();
-    let parts = batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
-        let mut of_one = Vec::new();
-        Found::by(window, |ray, all| {
+    let parts = batch::map(py, pool, rays.len(), |window| {
+        let (mut found, mut of_one) = (Found::with_capacity(window.len()), Vec::new());
+        window.each(|_, ray| {
             caster.all_hits(&rays.get(ray), &mut of_one);
-            all.extend_from_slice(&of_one);
-        })
+            found.counts.push(of_one.len() as u32);
+            found.things.extend_from_slice(&of_one);
+        });
+        found
     })?;
     rays.check("rays")?;
     let rows = || parts.iter().flat_map(Found::rows);
@@ -240,7 +253,11 @@ pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays:
 }
 
 /// A new array with these numbers.
-fn filled<'py, T: Element>(py: Python<'py>, shape: &[usize], numbers: impl Iterator<Item = T>) -> PyResult<Bound<'py, PyAny>> {
+fn filled<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    numbers: impl Iterator<Item = T>,
+) -> PyResult<Bound<'py, PyAny>> {
     let array = zeros::<T>(py, shape)?;
     for (place, number) in array.try_readwrite()?.as_slice_mut()?.iter_mut().zip(numbers) {
         *place = number;

@@ -8,7 +8,6 @@ mod batch;
 mod cast;
 mod errors;
 mod load;
-mod order;
 mod pairs;
 mod pool;
 mod profile;

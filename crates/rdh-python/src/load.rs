@@ -175,7 +175,13 @@ impl About {
         };
         let view = view.ok_or_else(|| {
             let known: Vec<_> = self.setting.views.iter().map(|v| v.name.as_str()).collect();
-            refuse("view", format_args!("the scene has these: {}", if known.is_empty() { "none".into() } else { known.join(", ") }))
+            refuse(
+                "view",
+                format_args!(
+                    "the scene has these: {}",
+                    if known.is_empty() { "none".into() } else { known.join(", ") }
+                ),
+            )
         })?;
         let camera = Camera::new(view, origin, f64::from(width) / f64::from(height.max(1)));
         let array = zeros::<f64>(py, &[height as usize, width as usize, 6])?;

@@ -22,9 +22,8 @@ pub(crate) fn _first<'py>(
     directions: &Bound<'py, PyAny>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| {
-        caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32)
-    })
+    Pairs::read(origins, directions)?
+        .each(py, scene.world(), threads, |caster, ray, _| caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32))
 }
 
 /// Whether rays hit anything, bool.
@@ -95,22 +94,29 @@ fn find_meetings(
     most: usize,
 ) -> PyResult<Vec<Found<Meeting>>> {
     let caster = world.caster();
-    batch::map(py, pool, rays, &caster.accel.bounds(), |window| {
-        let mut hits = Vec::new();
-        Found::by(window, |index, found| {
-            let ray = rays.get(index);
-            if most == 1 {
-                hits.clear();
-                hits.extend(caster.closest(&ray));
-            } else {
-                caster.all_hits(&ray, &mut hits);
+    batch::map(py, pool, rays.len(), |window| {
+        let (mut found, mut hits, mut pending) = (Found::with_capacity(window.len()), Vec::new(), Vec::new());
+        // First all are traced, then placed: so the processor waits for many triangles at a time.
+        window.strides(|rows, first| {
+            for index in (first..).take(rows.len()) {
+                let ray = rays.get(index);
+                if most == 1 {
+                    hits.clear();
+                    hits.extend(caster.closest(&ray));
+                } else {
+                    caster.all_hits(&ray, &mut hits);
+                }
+                hits.truncate(most);
+                pending.extend(hits.iter().map(|hit| (index, *hit)));
+                found.counts.push(hits.len() as u32);
             }
-            found.extend(hits.iter().take(most).map(|hit| {
+            found.things.extend(pending.drain(..).map(|(index, hit)| {
                 let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
-                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), hit);
+                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
                 Meeting { triangle: hit.tri.0, point }
             }));
-        })
+        });
+        found
     })
 }
 
@@ -162,7 +168,8 @@ struct Pairs<'py> {
 
 impl<'py> Pairs<'py> {
     fn read(origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let (origins, directions) = (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
+        let (origins, directions) =
+            (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
         let count = origins.row_count("ray_origins", 3)?;
         let others = directions.row_count("ray_directions", 3)?;
         if count != others {

@@ -62,7 +62,8 @@ impl Profile {
         let mut samples = Vec::new();
         // One by one: what is given may claim any length.
         for profile in profiles.try_iter().map_err(|_| refuse("profiles", "a list of profiles is needed"))? {
-            let profile = profile?.cast_into::<Self>().map_err(|_| refuse("profiles", "a list of profiles is needed"))?;
+            let profile =
+                profile?.cast_into::<Self>().map_err(|_| refuse("profiles", "a list of profiles is needed"))?;
             samples.push(Sample::clone(&*profile.get().sample()?));
         }
         let merged = Sample::merge(samples).map_err(from_library)?;

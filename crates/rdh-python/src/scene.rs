@@ -73,7 +73,8 @@ impl Scene {
         let positions = read_positions(vertices)?;
         let triangles = read_faces("faces", faces)?;
         if let Some(row) = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= positions.len())) {
-            let reason = format_args!("row {row}: {:?} refers to more than the {} vertices", triangles[row], positions.len());
+            let reason =
+                format_args!("row {row}: {:?} refers to more than the {} vertices", triangles[row], positions.len());
             return Err(refuse("faces", reason));
         }
         let placed = rdh_scene::Scene::from_triangles(positions, triangles).map_err(from_scene)?;
@@ -128,7 +129,9 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin).within(tnear, tfar);
-        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| caster.occluded(ray))
+        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| {
+            caster.occluded(ray)
+        })
     }
 
     /// How many triangles rays go through: an array of int32. An edge that triangles share counts for one of them only, so
@@ -230,7 +233,8 @@ impl Scene {
     /// Why this structure was chosen and no other, as ``tune`` returned it; ``None`` if it was not chosen.
     #[getter]
     fn evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let text = self.world.accel().provenance().evidence.as_ref().map_or_else(|| "null".to_owned(), ToString::to_string);
+        let text =
+            self.world.accel().provenance().evidence.as_ref().map_or_else(|| "null".to_owned(), ToString::to_string);
         py.import("json")?.call_method1("loads", (text,))
     }
 
@@ -357,9 +361,7 @@ impl Scene {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let module = py.import("rdh._rdh")?;
         match self.world.file() {
-            Some(SavedFile { path, checksum }) => {
-                Ok((module.getattr("_reopen")?, (path, checksum).into_pyobject(py)?))
-            }
+            Some(SavedFile { path, checksum }) => Ok((module.getattr("_reopen")?, (path, checksum).into_pyobject(py)?)),
             None => {
                 let bytes = self.about.described(&self.world.accel()).to_bytes().map_err(from_library)?;
                 Ok((module.getattr("_from_bytes")?, (PyBytes::new(py, &bytes),).into_pyobject(py)?))

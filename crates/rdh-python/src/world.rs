@@ -5,8 +5,8 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rdh::{Accel, BuildOptions, Hit, Mesh, Query, Ray, RayClass, Recorder, Spec, Training};
 use rayon::ThreadPool;
+use rdh::{Accel, BuildOptions, Hit, Mesh, Query, Ray, RayClass, Recorder, Spec, Training};
 
 use crate::batch::supervise;
 use crate::errors::from_library;

@@ -1,9 +1,12 @@
 """Dask arrays of rays on a cluster of processes."""
 
+import json
 import os
 import pathlib
+import shutil
 import signal
 import stat
+import subprocess
 import sys
 import time
 
@@ -133,3 +136,18 @@ def test_parts_of_a_study_run_one_at_a_time_a_worker(client: Client, tmp_path) -
         assert all(end <= start for (_, end), (start, _) in zip(spans, spans[1:], strict=False))
     with pytest.raises(RuntimeError, match="there is no program"):
         rdh.dask.study(client, [], tmp_path / "other", shards=1, program="no-such-program")
+
+
+@pytest.mark.skipif(shutil.which("rdh") is None, reason="the program rdh is not on the path")
+def test_a_study_on_a_cluster_is_the_study(client: Client, tmp_path) -> None:
+    arguments = ["tetra5", "rooms", "--quick", "--size", "16x16", "--training", "64", "--rounds", "1", "--experiment", "paper"]
+    document = rdh.dask.study(client, arguments, tmp_path / "parts", shards=3)
+    whole = tmp_path / "whole"
+    subprocess.run(["rdh", "study", *arguments, "--out", str(whole)], check=True, capture_output=True)
+    merged = subprocess.run(["rdh", "merge", "--json", str(whole)], check=True, capture_output=True)
+    counted = ("scene", "view", "class", "spec", "rays", "hits", "t_sum", "steps_per_ray", "tests_per_ray")
+    rows = [[{key: row[key] for key in counted} for row in d["rows"]] for d in (document, json.loads(merged.stdout))]
+    assert rows[0] == rows[1] and len(rows[0]) > 0
+    # A second call finds all of it done.
+    again = rdh.dask.study(client, arguments, tmp_path / "parts", shards=3)
+    assert again["rows"] == document["rows"]

@@ -3,6 +3,7 @@
 import doctest
 import importlib.util
 import inspect
+import json
 import pathlib
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import types
 import pytest
 
 import rdh
+import rdh.bench
 import rdh.trimesh
 
 
@@ -67,3 +69,36 @@ def test_the_module_is_small_and_stands_alone() -> None:
     assert path.stat().st_size < 8_000_000
     assert (pathlib.Path(rdh.__file__).parent / "py.typed").exists()
     assert importlib.util.find_spec("rdh.trimesh")
+
+
+def test_importing_it_imports_nothing_else_that_is_large() -> None:
+    code = "import rdh, sys; assert rdh.trimesh and rdh.dask; assert not {'trimesh', 'dask', 'open3d'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_race_is_run(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    for needed in ("trimesh", "embreex"):
+        pytest.importorskip(needed)
+    monkeypatch.chdir(tmp_path)
+    assert rdh.bench.main(["--side", "48", "--rounds", "1", "--spec", "bvh8(quick)+sah", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    raced = {(row["rays"], row["query"]) for row in rows if row["engine"] in ("embreex", "trimesh")}
+    queries = ("closest", "closest, all fields", "occluded", "first", "any", "first locations", "all hits")
+    assert raced == {(rays, query) for rays in ("coherent", "incoherent") for query in queries}
+    assert all(row["mrays_per_sec"] > 0 and row["speedup"] > 0 for row in rows)
+    with pytest.raises(SystemExit):
+        rdh.bench.main(["--side", "0"])
+
+
+def test_the_readme_runs(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the README shows of scenes, recording and saving, block after block."""
+    trimesh = pytest.importorskip("trimesh")
+    text = (pathlib.Path(__file__).parents[1] / "README.md").read_text()
+    blocks = [part.partition("```")[0] for part in text.split("```python\n")[1:]]
+    assert len(blocks) == 4
+    monkeypatch.chdir(tmp_path)
+    names = {"mesh": trimesh.creation.box(), "rdh": rdh}
+    for block in blocks[:3]:
+        exec(block, names)
+    assert (tmp_path / "quarter.rdh").is_file()
+    assert isinstance(names["mesh"].ray, rdh.trimesh.RayMeshIntersector)

@@ -73,6 +73,11 @@ impl Mesh {
         &self.positions
     }
 
+    /// The vertices, to be held.
+    pub(crate) fn position_array(&self) -> Array<Vec3> {
+        self.positions.clone()
+    }
+
     /// The triangles, three vertex indices each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles

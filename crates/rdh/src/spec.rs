@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{self, BvhSpec, Effort, Width};
+use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -56,7 +56,7 @@ impl Spec {
             _ => Stages::default(),
         };
         let reason = match self.structure {
-            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, spatial: false, .. })
+            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, splitter: Splitter::Objects, .. })
                 if self.needs_rays() && stages.splits == By::Rays =>
             {
                 "split=sweep compares areas: rdh counts rays between bins, unless splits=areas".to_owned()
@@ -188,29 +188,40 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         "bvh4" | "sbvh4" => Width::Four,
         _ => Width::Eight,
     };
-    let mut bvh = BvhSpec { width, spatial: part.name.starts_with('s'), ..BvhSpec::default() };
+    let splitter = if part.name.starts_with('s') { Splitter::Spatial } else { Splitter::Objects };
+    let mut bvh = BvhSpec { width, splitter, ..BvhSpec::default() };
     for &(key, value) in &part.parameters {
         match (key, value) {
+            ("quick" | "high", "") if bvh.effort != Effort::Default => return Err("quick or high: give one".to_owned()),
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
             ("split", _) => {
                 bvh.split =
                     choice(key, value, &[("binned", bvh::SplitSearch::Binned), ("sweep", bvh::SplitSearch::Sweep)])?;
             }
-            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep")),
+            ("from", _) if splitter == Splitter::Spatial => {
+                return Err(format!(
+                    "from belongs to {}: spatial splits are another way to cut triangles",
+                    &part.name[1..]
+                ));
+            }
+            ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
+            ("compact", "") if width == Width::Eight => bvh.triangles = Triangles::Shared,
+            ("compact", "") => return Err(format!("compact is for bvh8 and sbvh8, not for {}", part.name)),
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep, from=kd, compact")),
         }
     }
     Ok(bvh)
 }
 
 fn bvh_name(bvh: &BvhSpec) -> &'static str {
-    match (bvh.spatial, bvh.width) {
-        (false, Width::Two) => "bvh2",
-        (false, Width::Four) => "bvh4",
-        (false, Width::Eight) => "bvh8",
-        (true, Width::Two) => "sbvh2",
-        (true, Width::Four) => "sbvh4",
-        (true, Width::Eight) => "sbvh8",
+    match (bvh.splitter, bvh.width) {
+        (Splitter::Spatial, Width::Two) => "sbvh2",
+        (Splitter::Spatial, Width::Four) => "sbvh4",
+        (Splitter::Spatial, Width::Eight) => "sbvh8",
+        (_, Width::Two) => "bvh2",
+        (_, Width::Four) => "bvh4",
+        (_, Width::Eight) => "bvh8",
     }
 }
 
@@ -221,7 +232,9 @@ fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
         Effort::High => Some("high"),
     };
     let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
-    effort.into_iter().chain(split).map(str::to_owned).collect()
+    let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
+    let compact = (bvh.triangles == Triangles::Shared).then_some("compact");
+    effort.into_iter().chain(split).chain(from).chain(compact).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -381,6 +394,8 @@ mod tests {
             ("bvh8(split=binned)", "bvh8+sah"),
             (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
+            ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
+            ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -398,6 +413,10 @@ mod tests {
         for text in [
             "",
             "bvh9+sah",
+            "bvh8(from=bvh)",
+            "bvh4(compact)",
+            "sbvh8(from=kd)",
+            "bvh8(quick,high)",
             "bvh8(split=exact)",
             "bvh8(split=sweep)+rdh",
             "kd(leaf=3)",

@@ -71,13 +71,13 @@ fn what_makes_no_sense_is_refused() {
 #[test]
 fn a_race_goes_on_from_its_file_and_refuses_that_of_another() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("race.jsonl").display().to_string();
+    let file = folder.path().join("race.log").display().to_string();
     let args = small(&folder, &["--json", "--specs", "bvh8+sah", "--columns", "rows,ao", "--out", &file]);
     let (first, again) = (json(&texts(&args)), json(&texts(&args)));
     assert_eq!(first["rows"], again["rows"]);
     assert_eq!(std::fs::read_to_string(&file).unwrap().lines().count(), 3);
     let other = small(&folder, &["--json", "--specs", "kd+sah", "--columns", "rows,ao", "--out", &file]);
-    rdh(&texts(&other)).failed(1, &["race.jsonl:1", "other settings"]);
+    rdh(&texts(&other)).failed(1, &["race.log", "other settings"]);
 }
 
 #[test]

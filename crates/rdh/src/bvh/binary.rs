@@ -66,7 +66,8 @@ impl BinaryNode {
 /// Subtrees of at most so many nodes, in order, and the nodes above them: what several threads share out, the same for any number.
 pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
     let (mut above, mut below) = (Vec::new(), Vec::new());
-    let mut todo = vec![0..nodes.len()];
+    let mut todo = Vec::new();
+    todo.push(0..nodes.len());
     while let Some(subtree) = todo.pop() {
         let root = subtree.start;
         if subtree.len() <= most || !nodes[root].is_interior() {
@@ -126,6 +127,27 @@ pub(crate) fn grow<C: Chooser>(
     let rays = chooser.root(&extent);
     let parts = Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })?;
     Ok(parts.join(search.parallel)?.nodes)
+}
+
+/// Adds a subtree by areas to a list; `first` is the place of the first primitive. It lies so deep that there is room below it for
+/// halving the primitives down to leaves.
+pub(crate) fn grow_below(
+    nodes: &mut Vec<BinaryNode>,
+    primitives: &mut [Extent],
+    first: usize,
+    depth: u32,
+    search: Search,
+    watch: &Watch<'_>,
+) -> Result<Extent> {
+    let (extent, centres) = search.measure(primitives);
+    let grower = Grower { search, chooser: &ByArea, watch };
+    grower.grow_in(nodes, primitives, first, Node { extent, centres, depth, rays: () })?;
+    Ok(extent)
+}
+
+/// How often `n` primitives are halved until leaves of `leaf` are left.
+pub(crate) fn halvings(n: usize, leaf: usize) -> u32 {
+    n.div_ceil(leaf).next_power_of_two().trailing_zeros()
 }
 
 /// What stays the same for all nodes.
@@ -196,9 +218,8 @@ impl<C: Chooser> Grower<'_, C> {
     /// Parts a node's primitives: how many are on the left, and what both sides are to become.
     fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
-        let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        let split =
-            if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
+        let has_room = todo.depth + halvings(primitives.len(), self.search.leaf) < DEEPEST;
+        let split = if has_room { self.chooser.best(&self.search, primitives, todo) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo),
             None => self.part_in_the_middle(primitives, todo),

@@ -1,26 +1,29 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
 use super::binary::{self, BinaryNode, ByArea};
+use super::cells::{self, Cells};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
 use super::grown::Grown;
 use super::guided::ByRays;
 use super::layout::{Arrays, Draft};
+use super::leaves::Leaves;
 use super::link::Link;
 use super::order::Asker;
-use super::spatial;
 use super::split::Search;
-use super::{Bvh, BvhSpec, Effort, order, reinsert, visits};
+use super::{Bvh, BvhSpec, Effort, Splitter, order, reinsert, spatial, visits};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Ray, RayFrame, Scale, TriId, Vec3, hit_triangle};
-use crate::heuristic::{By, Rdh, Stages};
+use crate::heuristic::{By, Heuristic, Rdh, Sah, Stages};
+use crate::kd::{KdSpec, Prune};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 
-impl<const W: usize> Bvh<W> {
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
     ///
     /// # Errors
@@ -32,13 +35,11 @@ impl<const W: usize> Bvh<W> {
         let in_mesh = mesh.bounds();
         let scale = Scale::of(&in_mesh);
         let tracked = guide.map(|rdh| rdh.thinned(RAYS_TRACKED));
-        let build = Build { mesh, spec, guide, tracked, options, scale, watch: &watch };
+        let bounds = scale.scaled(&in_mesh);
+        let build = Build { mesh, spec, guide, tracked, options, scale, bounds, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let tree = Self {
-            tally,
-            level: options.level(),
-            ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array())
-        };
+        let arrays = Self::of_arrays(mesh, nodes.into(), blocks.into());
+        let tree = Self { tally, level: options.level(), ..arrays };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -61,7 +62,8 @@ fn check_size(mesh: &Mesh, options: &BuildOptions<'_>) -> Result<()> {
 /// What a visit of a node costs, and a test of eight triangles.
 const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 
-/// Spatial splits may add one reference to so many.
+/// Cutting triangles may add one reference to so many. A kd-tree that may cut more (2, 4 or 8 references a triangle) makes no faster a
+/// hierarchy, but a larger one (docs/measurements.md).
 const ONE_SPARE_IN: usize = 2;
 
 /// Sampled rays that are followed down the tree; more gain nothing.
@@ -76,17 +78,21 @@ struct Build<'a> {
     tracked: Option<Rdh>,
     options: &'a BuildOptions<'a>,
     scale: Scale,
+    bounds: Aabb,
     watch: &'a Watch<'a>,
 }
 
 impl Build<'_> {
     /// The binary tree, improved as the effort says; and how often rays visit its nodes, if that has been found out.
     fn grow(&self) -> Result<(Grown, Option<Vec<f32>>)> {
-        let primitives = self.primitives()?;
-        if primitives.is_empty() {
+        if self.mesh.is_empty() {
             return Ok((Grown::default(), None));
         }
-        let grown = if self.spec.spatial { self.grow_cutting(primitives) } else { self.grow_whole(primitives) };
+        let grown = match self.spec.splitter {
+            Splitter::Objects => self.grow_whole(self.primitives()?),
+            Splitter::Spatial => self.grow_cutting(self.primitives()?),
+            Splitter::KdTree => self.grow_cells(),
+        };
         self.improve(grown?)
     }
 
@@ -109,10 +115,30 @@ impl Build<'_> {
     }
 
     fn grow_cutting(&self, references: Vec<Extent>) -> Result<Grown> {
+        let spare = self.most_refs() - self.mesh.len();
+        spatial::grow(references, &self.clipper(), self.search(), spare, self.watch)
+    }
+
+    fn grow_cells(&self) -> Result<Grown> {
+        let guide = self.guide.filter(|rdh| rdh.stages().splits == By::Rays);
+        let prune = if guide.is_some() { Prune::Visits } else { Prune::Area };
+        let heuristic: &dyn Heuristic = match guide {
+            Some(rdh) => rdh,
+            None => &Sah,
+        };
+        let spec = KdSpec { prune, ..KdSpec::default() };
+        let cells = Cells { clipper: &self.clipper(), bounds: self.bounds, spec, heuristic, most: self.most_refs() };
+        cells::grow(&cells, self.search(), self.options)
+    }
+
+    fn clipper(&self) -> TriangleClipper<'_> {
+        TriangleClipper { mesh: self.mesh, scale: self.scale.factor() }
+    }
+
+    /// How many references there may be where triangles are cut.
+    fn most_refs(&self) -> usize {
         let n = self.mesh.len();
-        let most = self.options.max_refs.unwrap_or(usize::MAX).min(n + n / ONE_SPARE_IN);
-        let clipper = TriangleClipper { mesh: self.mesh, scale: self.scale.factor() };
-        spatial::grow(references, &clipper, self.search(), most - n, self.watch)
+        self.options.max_refs.unwrap_or(usize::MAX).min(n + n / ONE_SPARE_IN)
     }
 
     fn grow_whole(&self, mut primitives: Vec<Extent>) -> Result<Grown> {
@@ -141,12 +167,16 @@ impl Build<'_> {
         Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
     }
 
+    fn cuts_triangles(&self) -> bool {
+        self.spec.splitter != Splitter::Objects
+    }
+
     fn is_parallel(&self) -> bool {
         self.options.threads != Some(1)
     }
 
     /// Wide nodes and blocks of triangles.
-    fn pack<const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<W>> {
+    fn pack<B: Lanes, const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<B, W>> {
         let Grown { nodes, ids } = grown;
         let visits = match (self.guide_of(|stages| stages.cuts), visits) {
             (Some(_), Some(visits)) => visits,
@@ -154,24 +184,26 @@ impl Build<'_> {
             (None, _) => visits::by_area(&nodes)?,
         };
         self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
+        let repeated = self.cuts_triangles().then_some(&ids[..]);
+        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
         let order = self.order(&nodes, &ids, &cuts)?;
-        let (order, corners) = (|i: usize| order[i], |id| self.mesh.corners(TriId(id)));
+        let order = |i: usize| order[i];
+        let put = |block: &mut B, lane, id| block.put(lane, id, self.mesh);
         let (parallel, watch) = (self.is_parallel(), self.watch);
-        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, corners, parallel, watch }.lay_out()
+        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, put, parallel, watch }.lay_out()
     }
 
     /// Any-hit rays take those children first that get the highest numbers here.
     fn order<const W: usize>(&self, nodes: &[BinaryNode], ids: &[u32], cuts: &Cuts<W>) -> Result<Vec<f32>> {
         let mut order = visits::by_area(nodes)?;
-        if self.spec.spatial {
-            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where spatial splits made them, a
+        if self.cuts_triangles() {
+            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where triangles were cut, a
             // large child that holds little is soon done with.
             order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
         }
         // All rays are asked who asks for any hit: there may be few.
         if let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) {
-            let askers = Asker::all(rdh, self.scale.scaled(&self.mesh.bounds()).magnitude());
+            let askers = Asker::all(rdh, self.bounds.magnitude());
             let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
             order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
         }

@@ -46,9 +46,11 @@ struct Cut<const W: usize> {
 const AT_ONCE: usize = 1 << 13;
 
 impl<const W: usize> Cuts<W> {
-    /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. O(N W²).
+    /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. Where some primitives may have several references,
+    /// `repeated` has their ids, of which a leaf needs each but once. O(N W²).
     pub(crate) fn cheapest(
         nodes: &[BinaryNode],
+        repeated: Option<&[u32]>,
         costs: Costs,
         visits: impl Fn(usize) -> f32 + Sync,
         parallel: bool,
@@ -62,13 +64,20 @@ impl<const W: usize> Cuts<W> {
             (rest, done) = (after, subtree.end);
             pieces.push((subtree.start, piece));
         }
+        let once = |node: usize, references: u32| match repeated {
+            Some(ids) if (LANES + 1..=2 * LANES).contains(&(references as usize)) => {
+                distinct(nodes, ids, node).unwrap_or(references)
+            }
+            _ => references,
+        };
         // In preorder children come after their parents: backwards they are done first.
         let cut_all = |(first, cuts): (usize, &mut [Cut<W>])| {
             for i in (0..cuts.len()).rev() {
                 let node = first + i;
                 watch.check_at(node)?;
                 let below = |child: usize| &cuts[child - first];
-                cuts[i] = Cut::of(&nodes[node], visits(node), costs, || [below(node + 1), below(nodes[node].right())]);
+                let children = || [below(node + 1), below(nodes[node].right())];
+                cuts[i] = Cut::of(&nodes[node], visits(node), costs, children, |n| once(node, n));
             }
             Ok(())
         };
@@ -79,7 +88,7 @@ impl<const W: usize> Cuts<W> {
         }
         for &node in above.iter().rev() {
             let children = || [&cuts[node + 1], &cuts[nodes[node].right()]];
-            cuts[node] = Cut::of(&nodes[node], visits(node), costs, children);
+            cuts[node] = Cut::of(&nodes[node], visits(node), costs, children, |n| once(node, n));
         }
         Ok(Self(cuts))
     }
@@ -119,16 +128,23 @@ impl<const W: usize> Cuts<W> {
 }
 
 impl<const W: usize> Cut<W> {
-    /// How a node is cut that is visited with some weight; asks for its children's cuts if it has some.
+    /// How a node is cut that is visited with some weight; asks for its children's cuts if it has some, and how many references are left
+    /// if each primitive has one alone.
     #[inline(always)]
-    fn of<'a>(node: &BinaryNode, weight: f32, costs: Costs, children: impl FnOnce() -> [&'a Self; 2]) -> Self {
+    fn of<'a>(
+        node: &BinaryNode,
+        weight: f32,
+        costs: Costs,
+        children: impl FnOnce() -> [&'a Self; 2],
+        once: impl FnOnce(u32) -> u32,
+    ) -> Self {
         let test = weight * costs.test;
         if !node.is_interior() {
             let count = node.0.count;
             return Self { forest: [test * count.div_ceil(LANES as u32) as f32; W], left: [0; W], leaf: true, count };
         }
         let [l, r] = children();
-        let count = l.count.saturating_add(r.count);
+        let count = once(l.count.saturating_add(r.count));
         let (parts, lefts) = share(&l.forest, &r.forest);
         let whole = weight * costs.node + parts[W - 1];
         let leaf = count as usize <= LANES && test <= whole;
@@ -147,6 +163,30 @@ impl<const W: usize> Cut<W> {
     }
 }
 
+/// How many primitives a subtree has, if one test is enough for them; else nothing.
+fn distinct(nodes: &[BinaryNode], ids: &[u32], node: usize) -> Option<u32> {
+    let (mut found, mut n) = ([0; LANES], 0);
+    // In preorder a subtree ends where no child is left to come.
+    let mut to_come = 1;
+    for node in &nodes[node..] {
+        if node.is_interior() {
+            to_come += 1;
+            continue;
+        }
+        for id in &ids[node.range()] {
+            if !found[..n].contains(id) {
+                *found.get_mut(n)? = *id;
+                n += 1;
+            }
+        }
+        to_come -= 1;
+        if to_come == 0 {
+            break;
+        }
+    }
+    Some(n as u32)
+}
+
 /// The cheapest ways to share k roots among two children, k = 2 … W at element k − 1; and what the left one gets.
 #[inline(always)]
 fn share<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W]) {
@@ -160,4 +200,19 @@ fn share<const W: usize>(left: &[f32; W], right: &[f32; W]) -> ([f32; W], [u8; W
         }
     }
     (parts, lefts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::extent::Extent;
+    use super::*;
+
+    #[test]
+    fn a_primitive_counts_once_in_a_leaf() {
+        let leaf = |first, count| BinaryNode::leaf(Extent::EMPTY, first, count);
+        let nodes = [BinaryNode::interior(Extent::EMPTY, 2), leaf(0, 5), leaf(5, 5), leaf(10, 1)];
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 5, 4, 3, 2, 6, 7], 0), Some(6));
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 6, 7, 8, 8, 8, 9], 0), Some(8));
+        assert_eq!(distinct(&nodes, &[1, 2, 3, 4, 5, 6, 7, 8, 9, 1, 2], 0), None);
+    }
 }

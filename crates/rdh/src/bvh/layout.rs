@@ -6,16 +6,15 @@ use super::binary::BinaryNode;
 use super::collapse::Cuts;
 use super::link::Link;
 use crate::error::{Error, Result};
-use crate::geom::Vec3;
 use crate::mem::{joined, reserve};
 use crate::options::Watch;
-use crate::simd::{Block, Boxes, LANES};
+use crate::simd::{Boxes, LANES, Lanes};
 
 /// A finished tree's arrays.
 #[derive(Debug, Clone)]
-pub(crate) struct Arrays<const W: usize> {
+pub(crate) struct Arrays<B, const W: usize> {
     pub(crate) nodes: Vec<Boxes<W>>,
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<B>,
     pub(crate) tally: Tally,
 }
 
@@ -33,13 +32,13 @@ pub struct Tally {
 }
 
 /// A tree to be laid out: a binary one whose leaves hold ranges of `ids`, and how it is cut. Of a node's children those come first for
-/// which `order` gives the most; `corners` gives a triangle's corners.
+/// which `order` gives the most; `put` writes a triangle into a lane of a block.
 pub(crate) struct Draft<'a, F, G, const W: usize> {
     pub(crate) binary: &'a [BinaryNode],
     pub(crate) ids: &'a [u32],
     pub(crate) cuts: &'a Cuts<W>,
     pub(crate) order: F,
-    pub(crate) corners: G,
+    pub(crate) put: G,
     pub(crate) parallel: bool,
     pub(crate) watch: &'a Watch<'a>,
 }
@@ -47,9 +46,12 @@ pub(crate) struct Draft<'a, F, G, const W: usize> {
 /// Subtrees of up to so many references are laid out by one thread each, into arrays of their own.
 const AT_ONCE: u32 = 1 << 14;
 
-impl<F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: usize> Draft<'_, F, G, W> {
+impl<F: Fn(usize) -> f32 + Sync, G: Sync, const W: usize> Draft<'_, F, G, W> {
     /// Lays it out: first the nodes above the subtrees, then subtree by subtree.
-    pub(crate) fn lay_out(&self) -> Result<Arrays<W>> {
+    pub(crate) fn lay_out<B: Lanes>(&self) -> Result<Arrays<B, W>>
+    where
+        G: Fn(&mut B, usize, u32),
+    {
         let mut top = Layout::new(self, AT_ONCE);
         if self.binary.is_empty() {
             top.new_node()?;
@@ -72,7 +74,12 @@ impl<F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: usize>
         self.join(top.arrays, &subtrees, placed?)
     }
 
-    fn join(&self, mut top: Arrays<W>, subtrees: &[ToPlace], placed: Vec<Arrays<W>>) -> Result<Arrays<W>> {
+    fn join<B: Lanes>(
+        &self,
+        mut top: Arrays<B, W>,
+        subtrees: &[ToPlace],
+        placed: Vec<Arrays<B, W>>,
+    ) -> Result<Arrays<B, W>> {
         let (mut nodes, mut blocks, mut starts) = (top.nodes.len(), top.blocks.len(), vec![(0, 0)]);
         for (subtree, arrays) in subtrees.iter().zip(&placed) {
             if let Some((parent, lane)) = subtree.parent {
@@ -87,7 +94,7 @@ impl<F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: usize>
         limit("blocks of triangles", blocks.saturating_sub(1), Link::MAX_BLOCKS)?;
         let parts = || std::iter::once(&top).chain(&placed);
         let of_nodes: Vec<&[Boxes<W>]> = parts().map(|part| &part.nodes[..]).collect();
-        let of_blocks: Vec<&[Block]> = parts().map(|part| &part.blocks[..]).collect();
+        let of_blocks: Vec<&[B]> = parts().map(|part| &part.blocks[..]).collect();
         let nodes = joined(&of_nodes, self.parallel, "nodes", |part, mut node: Boxes<W>| {
             let (nodes, blocks) = starts[part];
             for lane in 0..W {
@@ -117,12 +124,12 @@ impl Tally {
 }
 
 /// A part of a tree while it is laid out.
-struct Layout<'a, F, G, const W: usize> {
+struct Layout<'a, F, G, B, const W: usize> {
     draft: &'a Draft<'a, F, G, W>,
     /// Subtrees of up to so many references are left for later.
     leave_up_to: u32,
     subtrees: Vec<ToPlace>,
-    arrays: Arrays<W>,
+    arrays: Arrays<B, W>,
     /// Blocks with room: which, and the first free lane.
     open: Vec<(usize, usize)>,
     /// A leaf's triangles.
@@ -139,7 +146,12 @@ struct ToPlace {
 /// Blocks that may wait for more triangles at the same time; leaves that lie far apart should not share one.
 const OPEN: usize = 4;
 
-impl<'a, F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: usize> Layout<'a, F, G, W> {
+impl<'a, F, G, B, const W: usize> Layout<'a, F, G, B, W>
+where
+    F: Fn(usize) -> f32 + Sync,
+    G: Fn(&mut B, usize, u32) + Sync,
+    B: Lanes,
+{
     fn new(draft: &'a Draft<'a, F, G, W>, leave_up_to: u32) -> Self {
         let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
         Self { draft, leave_up_to, subtrees: Vec::new(), arrays, open: Vec::new(), gathered: Vec::new() }
@@ -217,8 +229,7 @@ impl<'a, F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: us
         };
         let (block, lane) = self.open[open];
         for (i, &id) in self.gathered.iter().enumerate() {
-            let corners = (self.draft.corners)(id);
-            self.arrays.blocks[block].set(lane + i, &corners, id);
+            (self.draft.put)(&mut self.arrays.blocks[block], lane + i, id);
         }
         self.open[open].1 += count;
         if self.open[open].1 == LANES {
@@ -251,7 +262,7 @@ impl<'a, F: Fn(usize) -> f32 + Sync, G: Fn(u32) -> [Vec3; 3] + Sync, const W: us
     /// Unused lanes repeat the last triangle.
     fn pad(&mut self, block: usize, lane: usize) {
         let block = &mut self.arrays.blocks[block];
-        let (corners, id) = (block.corners(lane - 1), block.ids[lane - 1]);
-        (lane..LANES).for_each(|lane| block.set(lane, &corners, id));
+        let id = block.ids()[lane - 1];
+        (lane..LANES).for_each(|lane| (self.draft.put)(block, lane, id));
     }
 }

@@ -195,7 +195,7 @@ mod tests {
         let rdh = Rdh::new(&RdhSpec::default(), &Training::from_samples(rays.iter().map(sample).collect()), 1.0);
         let options = BuildOptions::default();
         let watch = Watch::new(&options, 3);
-        let cuts = Cuts::<8>::cheapest(&nodes, COSTS, |i| nodes[i].0.half_area(), false, &watch).unwrap();
+        let cuts = Cuts::<8>::cheapest(&nodes, None, COSTS, |i| nodes[i].0.half_area(), false, &watch).unwrap();
         let mut scores: Vec<f32> = nodes.iter().map(|n| n.0.half_area()).collect();
         score(&nodes, &cuts, COSTS, &Asker::all(&rdh, 6.0), |_, leaf| leaf == 3, &mut scores, &watch).unwrap();
         scores

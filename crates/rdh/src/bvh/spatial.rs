@@ -6,7 +6,7 @@
 //!
 //! A reference is a box that holds the part of a primitive in it; the parts of a primitive together are all of it.
 
-use super::binary::{BinaryNode, DEEPEST};
+use super::binary::{BinaryNode, DEEPEST, halvings};
 use super::chop::{Chop, SpatialSplit};
 use super::extent::Extent;
 use super::grown::{Grown, Parts};
@@ -96,8 +96,7 @@ impl<C: Clipper> Grower<'_, C> {
     fn part(&self, references: Vec<Extent>, todo: Todo) -> Result<[Side; 2]> {
         let n = references.len();
         // Halving from here on must end within the depth that is left.
-        let halvings = n.div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        if todo.depth + halvings + 1 >= DEEPEST {
+        if todo.depth + halvings(n, self.search.leaf) + 1 >= DEEPEST {
             return self.part_in_the_middle(references, &todo);
         }
         let object = self.search.best(&references, &todo.centres);

@@ -13,7 +13,7 @@
 
 use rayon::prelude::*;
 
-use super::branch::{Branch, Branches};
+use super::branch::{Branch, Branches, Kept};
 use super::cost::Costs;
 use super::reference::Reference;
 use super::spec::{KdSpec, Prune};
@@ -88,7 +88,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Builds the tree over some references; the root is the last node. `max_refs` is kept.
-    pub(crate) fn build(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches> {
+    pub(crate) fn build<K: Kept>(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches<K>> {
         let rays = self.heuristic.root(&cell);
         let todo = Todo {
             tight: refs.iter().fold(Slice::EMPTY, |tight, r| tight.union(r.slice())).bounds(),
@@ -103,7 +103,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Large subtrees: both sides in parallel.
-    fn grow(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches, Grown)> {
+    fn grow<K: Kept>(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches<K>, Grown)> {
         let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level, self.parallel);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
@@ -120,7 +120,7 @@ impl<'a> Builder<'a> {
         let [todo_left, todo_right] = self.children(&todo, &split, failures, sides);
         drop(refs);
         let (l, r) = rayon::join(|| self.grow(left, todo_left), || self.grow(right, todo_right));
-        let ((mut branches, l), (other, r)) = (l?, r?);
+        let ((mut branches, l), (other, r)): ((Branches<K>, _), (Branches<K>, _)) = (l?, r?);
         let shift = branches.append(&other)?;
         let children = [l, Grown { root: r.root + shift, ..r }];
         let grown = self.join(&mut branches, &todo.cell, &split, children)?;
@@ -128,10 +128,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Small subtrees: one thread, all references on one stack. Those of this node lie from `start` to its top.
-    fn grow_in(
+    fn grow_in<K: Kept>(
         &self,
         search: &mut Search<'_>,
-        branches: &mut Branches,
+        branches: &mut Branches<K>,
         stack: &mut Vec<Reference>,
         start: usize,
         todo: Todo,
@@ -194,13 +194,19 @@ impl<'a> Builder<'a> {
         [child(left, cell_left, p, left.n + spare_left), child(right, cell_right, q, right.n + spare - spare_left)]
     }
 
-    fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {
+    fn leaf<K: Kept>(&self, branches: &mut Branches<K>, refs: &[Reference]) -> Result<Grown> {
         self.watch.report(refs.len());
-        Ok(Grown { root: branches.leaf(refs.iter().map(|r| r.id))?, cost: self.costs.leaf(refs.len()) })
+        Ok(Grown { root: branches.leaf(refs)?, cost: self.costs.leaf(refs.len()) })
     }
 
     /// An interior node over two finished children.
-    fn join(&self, branches: &mut Branches, cell: &Aabb, split: &Split, children: [Grown; 2]) -> Result<Grown> {
+    fn join<K: Kept>(
+        &self,
+        branches: &mut Branches<K>,
+        cell: &Aabb,
+        split: &Split,
+        children: [Grown; 2],
+    ) -> Result<Grown> {
         let chance = if self.spec.prune == Prune::Area { area_chance(cell, split) } else { split.chance };
         let cost = self.costs.traverse + chance.left * children[0].cost + chance.right * children[1].cost;
         let chances = [split.chance.left, split.chance.right];

@@ -230,7 +230,7 @@ impl<'a, F: Fn(u32) -> [Vec3; 3]> Layout<'a, F> {
                 tally.empty_leaves += usize::from(count == 0);
                 tally.references += count as usize;
                 let (branches, range) = (self.draft.branches, first as usize..(first + count) as usize);
-                self.place_leaf(&branches.ids[range])
+                self.place_leaf(&branches.kept[range])
             }
         }
     }

@@ -4,7 +4,7 @@
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
 mod bins;
-mod branch;
+pub(crate) mod branch;
 mod build;
 mod check;
 mod cost;
@@ -17,7 +17,7 @@ mod reference;
 mod shown;
 mod spec;
 mod split;
-mod stop;
+pub(crate) mod stop;
 mod trace;
 
 pub use cost::Costs;
@@ -27,6 +27,7 @@ pub use reference::Reference;
 pub use shown::Shown;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
+use branch::{Branches, Kept};
 use build::Builder;
 use layout::{Arrays, Draft, Line};
 
@@ -70,10 +71,8 @@ impl KdTree {
         let scale = Scale::of(&in_mesh);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
         let parallel = options.threads != Some(1);
-        let refs = references(&clipper, parallel)?;
-        let max_refs = max_refs(mesh.len(), options)?;
-        let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
-        let branches = builder.build(refs, scale.scaled(&in_mesh), max_refs)?;
+        let bounds = scale.scaled(&in_mesh);
+        let branches = grow(&clipper, bounds, spec, heuristic, max_refs(mesh.len(), options)?, options)?;
         let root = branches.nodes.len() as u32 - 1;
         let arrays = Draft { branches: &branches, corners: |id| mesh.corners(TriId(id)), parallel }.lay_out(root)?;
         let Arrays { root, lines, blocks, tally } = arrays;
@@ -190,6 +189,19 @@ impl KdTree {
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
     }
+}
+
+/// Grows the branches over a mesh's triangles within `bounds`, with at most so many references; the root is the last one.
+pub(crate) fn grow<K: Kept>(
+    clipper: &TriangleClipper<'_>,
+    bounds: Aabb,
+    spec: &KdSpec,
+    heuristic: &dyn Heuristic,
+    max_refs: usize,
+    options: &BuildOptions<'_>,
+) -> Result<Branches<K>> {
+    let refs = references(clipper, options.threads != Some(1))?;
+    Builder::new(clipper, heuristic, *spec, clipper.mesh.len(), options).build(refs, bounds, max_refs)
 }
 
 /// A reference to every triangle, whole.

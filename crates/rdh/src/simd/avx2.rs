@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::portable::Portable;
-use super::{Block, Boxes, Entered, Job, Kernels, LANES, Sifted};
+use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
 use crate::geom::{Depths, Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX2.
@@ -115,6 +115,18 @@ impl Kernels for Avx2 {
                 [*x.add(2 * NEXT), *y.add(2 * NEXT), *z.add(2 * NEXT)],
             ]
         }
+    }
+
+    #[inline(always)]
+    fn gather(points: &[Vec3], indices: &Indices, block: &mut Block) {
+        if !can_gather(points, indices) {
+            return gather_plainly(points, indices, block);
+        }
+        for (corner, vertices) in block.corners.iter_mut().zip(&indices.corners) {
+            // SAFETY: see above; no vertex is the last one, nor beyond it.
+            unsafe { gather_corner(points, vertices, corner) };
+        }
+        block.ids = indices.ids;
     }
 
     #[inline(always)]
@@ -401,4 +413,53 @@ fn count<const COMPARISON: i32>(values: &[f32], planes: &[f32], counts: &mut [u3
             _mm256_storeu_si256(counts.as_mut_ptr().cast(), sum);
         }
     }
+}
+
+/// Whether all vertices come before the last one: then four floats can be read at each.
+#[inline(always)]
+fn can_gather(points: &[Vec3], indices: &Indices) -> bool {
+    let Some(last) = points.len().checked_sub(2).and_then(|last| u32::try_from(last).ok()) else { return false };
+    let [a, b, c] = &indices.corners;
+    // SAFETY: as in `Avx2`; each row has eight numbers.
+    unsafe {
+        let (a, b) = (_mm256_loadu_si256(a.as_ptr().cast()), _mm256_loadu_si256(b.as_ptr().cast()));
+        let most = _mm256_max_epu32(_mm256_max_epu32(a, b), _mm256_loadu_si256(c.as_ptr().cast()));
+        let last = _mm256_set1_epi32(last as i32);
+        _mm256_movemask_epi8(_mm256_cmpeq_epi32(_mm256_max_epu32(most, last), last)) == -1
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn gather_plainly(points: &[Vec3], indices: &Indices, block: &mut Block) {
+    indices.copy_to(points, block);
+}
+
+/// Eight vertices, coordinate by coordinate.
+///
+/// # Safety
+/// As in `Avx2`; behind each vertex there is another one.
+#[inline(always)]
+unsafe fn gather_corner(points: &[Vec3], vertices: &[u32; LANES], corner: &mut [[f32; LANES]; 3]) {
+    let p = points.as_ptr().cast::<f32>();
+    // SAFETY: see above: four floats can be read at each vertex; a corner has three rows of eight.
+    unsafe {
+        let (a, b) = (pair(p, vertices[0], vertices[4]), pair(p, vertices[1], vertices[5]));
+        let (c, d) = (pair(p, vertices[2], vertices[6]), pair(p, vertices[3], vertices[7]));
+        let (low_ab, low_cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (high_ab, high_cd) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        _mm256_storeu_ps(corner[0].as_mut_ptr(), _mm256_shuffle_ps::<0b01_00_01_00>(low_ab, low_cd));
+        _mm256_storeu_ps(corner[1].as_mut_ptr(), _mm256_shuffle_ps::<0b11_10_11_10>(low_ab, low_cd));
+        _mm256_storeu_ps(corner[2].as_mut_ptr(), _mm256_shuffle_ps::<0b01_00_01_00>(high_ab, high_cd));
+    }
+}
+
+/// Two vertices in the halves of a register, each with what lies behind it.
+///
+/// # Safety
+/// As in `gather_corner`.
+#[inline(always)]
+unsafe fn pair(p: *const f32, low: u32, high: u32) -> __m256 {
+    // SAFETY: see above.
+    unsafe { _mm256_loadu2_m128(p.add(3 * high as usize), p.add(3 * low as usize)) }
 }

@@ -19,14 +19,20 @@ mod block;
 mod boxes;
 mod four;
 mod guess;
+mod indices;
+#[cfg(all(feature = "twin", target_arch = "x86_64"))]
+mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
 
-pub(crate) use block::{Block, LANES};
+pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use four::Four;
 pub(crate) use guess::guessed;
+pub(crate) use indices::Indices;
+#[cfg(all(feature = "twin", target_arch = "x86_64"))]
+pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
@@ -137,6 +143,10 @@ pub(crate) struct Entered<const W: usize>(pub(crate) [f32; W]);
 
 /// What an instruction set must offer. Implementations are `#[inline(always)]`.
 pub(crate) trait Kernels: Copy {
+    /// Whether comparisons give masks.
+    #[cfg(all(feature = "twin", target_arch = "x86_64"))]
+    const MASKS: bool = false;
+
     /// A ray's frame, spread over the lanes.
     type Frame: Copy;
 
@@ -151,6 +161,15 @@ pub(crate) trait Kernels: Copy {
 
     /// The corners of the triangle in a lane of a block, along the frame's axes.
     fn corners(ray: &RayFrame, frame: &Self::Frame, block: &Block, lane: usize) -> [Vec3; 3];
+
+    /// Copies eight triangles out of a mesh's vertices.
+    ///
+    /// # Panics
+    /// If a vertex is out of range.
+    #[inline(always)]
+    fn gather(points: &[Vec3], indices: &Indices, block: &mut Block) {
+        indices.copy_to(points, block);
+    }
 
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;

@@ -86,12 +86,16 @@ impl Group {
     fn deal(part: &[&RaySample], class_weight: f64, blocks: usize) -> Self {
         let total: f64 = part.iter().map(|s| f64::from(s.weight)).sum();
         let step = total / part.len() as f64;
-        let mut sum = 0.0;
+        // A stratified sample by weight: one cast for each step of the weights' sum, at a place that changes from step to step, so that
+        // it falls in with no pattern of the weights; as many in all as there are samples.
+        let (mut sum, mut casts) = (0.0, 0u32);
         let mut copies = |sample: &RaySample| {
-            // A systematic sample by weight: as many casts in all as there are samples.
-            let before = (sum / step).round();
             sum += f64::from(sample.weight);
-            ((sum / step).round() - before) as usize
+            let before = casts;
+            while (f64::from(casts) + within_step(casts)) * step < sum {
+                casts += 1;
+            }
+            (casts - before) as usize
         };
         let run = part.len().div_ceil(blocks * part.len().div_ceil(blocks * RUN_RAYS));
         let cast = |run: &[&RaySample]| run.iter().flat_map(|s| std::iter::repeat_n(s.ray, copies(s))).collect();
@@ -105,6 +109,14 @@ impl Group {
     pub(super) fn rays(&self) -> usize {
         self.runs.iter().map(Vec::len).sum()
     }
+}
+
+/// A place in a step, from 0 to 1, without a pattern: the finaliser of a common hash (MurmurHash3).
+fn within_step(step: u32) -> f64 {
+    let mut x = step.wrapping_add(1);
+    x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
+    f64::from(x ^ x >> 16) / 4_294_967_296.0
 }
 
 /// Those that start near each other side by side, those that start together by direction: both along a Z curve.
