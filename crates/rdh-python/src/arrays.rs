@@ -3,7 +3,9 @@
 //! What comes in may be anything that NumPy can make an array of. It is either converted without a loss that matters, or
 //! refused with a `ValueError` that names the argument; data that is laid out as needed is not copied.
 
-use numpy::{Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -152,7 +154,8 @@ fn rows_of_indices<T: Copy + TryInto<u32> + std::fmt::Display>(argument: &str, a
 /// `MemoryError` naming what it is for.
 pub(crate) fn reserve<T>(what: &str, count: usize) -> PyResult<Vec<T>> {
     let mut all = Vec::new();
-    all.try_reserve_exact(count).map_err(|_| PyMemoryError::new_err(format!("{what}: {count} rows don't fit in memory")))?;
+    all.try_reserve_exact(count)
+        .map_err(|_| PyMemoryError::new_err(format!("{what}: {count} rows don't fit in memory")))?;
     Ok(all)
 }
 

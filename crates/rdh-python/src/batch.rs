@@ -9,8 +9,10 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// Rays that one thread takes at a time: so few that it soon asks again whether to go on.
-const CHUNK: usize = 512;
+/// So many rays are cast before it is asked again whether to go on.
+const STRIDE: usize = 512;
+/// Rays that one thread takes at a time, at most.
+const WINDOW: usize = 1 << 16;
 /// How long Ctrl-C may go unnoticed.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -28,7 +30,11 @@ impl Cancel {
 ///
 /// # Errors
 /// What the signal's handler raises, usually `KeyboardInterrupt`.
-pub(crate) fn supervise<T: Send>(py: Python<'_>, pool: &ThreadPool, work: impl FnOnce(&Cancel) -> T + Send) -> PyResult<T> {
+pub(crate) fn supervise<T: Send>(
+    py: Python<'_>,
+    pool: &ThreadPool,
+    work: impl FnOnce(&Cancel) -> T + Send,
+) -> PyResult<T> {
     py.detach(|| {
         let cancel = Cancel(AtomicBool::new(false));
         let (finished, result) = mpsc::sync_channel(1);
@@ -58,6 +64,37 @@ pub(crate) fn supervise<T: Send>(py: Python<'_>, pool: &ThreadPool, work: impl F
     })
 }
 
+/// Some of a batch's rays, which one thread casts.
+pub(crate) struct Window<'a> {
+    rays: Range<usize>,
+    cancel: Option<&'a Cancel>,
+}
+
+impl Window<'_> {
+    /// How many rays there are.
+    pub(crate) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Does `work` for a few rays at a time, with their rows in the window and the number of the first one in the batch; stops if that
+    /// is wanted.
+    #[inline]
+    pub(crate) fn strides(&self, mut work: impl FnMut(Range<usize>, usize)) {
+        for from in (0..self.len()).step_by(STRIDE) {
+            if self.cancel.is_some_and(Cancel::is_wanted) {
+                return;
+            }
+            work(from..self.len().min(from + STRIDE), self.rays.start + from);
+        }
+    }
+
+    /// Does `work` for each ray, with its row in the window and its number in the batch; stops if that is wanted.
+    #[inline]
+    pub(crate) fn each(&self, mut work: impl FnMut(usize, usize)) {
+        self.strides(|rows, first| rows.zip(first..).for_each(|(row, ray)| work(row, ray)));
+    }
+}
+
 /// Results with a row a ray, that can be shared out.
 pub(crate) trait Columns: Send {
     /// Takes off the first `rows` rows.
@@ -70,7 +107,7 @@ impl<T: Send> Columns for &mut [T] {
     }
 }
 
-/// Does `work` for all of `count` rays, chunk by chunk, each with its part of the columns.
+/// Does `work` for all rays, window by window, each with its part of the columns.
 ///
 /// # Errors
 /// As [`supervise`].
@@ -79,19 +116,21 @@ pub(crate) fn fill<C: Columns>(
     pool: &ThreadPool,
     count: usize,
     mut columns: C,
-    work: impl Fn(Range<usize>, C) + Sync,
+    work: impl Fn(&Window<'_>, C) + Sync,
 ) -> PyResult<()> {
-    if count <= CHUNK {
-        py.detach(|| work(0..count, columns));
+    if count <= STRIDE {
+        py.detach(|| work(&Window { rays: 0..count, cancel: None }, columns));
         return Ok(());
     }
-    let chunks: Vec<(Range<usize>, C)> = chunks(count).map(|chunk| (chunk.clone(), columns.take(chunk.len()))).collect();
+    let parts = windows(count, pool).map(|window| (window.clone(), columns.take(window.len())));
+    let parts: Vec<(Range<usize>, C)> = parts.collect();
     supervise(py, pool, |cancel| {
-        chunks.into_par_iter().filter(|_| !cancel.is_wanted()).for_each(|(rays, columns)| work(rays, columns));
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.for_each(|(window, columns)| work(&Window { rays: window, cancel: Some(cancel) }, columns));
     })
 }
 
-/// Does `work` for all of `count` rays, chunk by chunk, and keeps what it returns, in order.
+/// Does `work` for all rays, window by window, and keeps what it returns, in the order of the rays.
 ///
 /// # Errors
 /// As [`supervise`].
@@ -99,15 +138,20 @@ pub(crate) fn map<T: Send>(
     py: Python<'_>,
     pool: &ThreadPool,
     count: usize,
-    work: impl Fn(Range<usize>) -> T + Sync + Send,
+    work: impl Fn(&Window<'_>) -> T + Sync + Send,
 ) -> PyResult<Vec<T>> {
-    if count <= CHUNK {
-        return Ok(vec![py.detach(|| work(0..count))]);
+    if count <= STRIDE {
+        return Ok(vec![py.detach(|| work(&Window { rays: 0..count, cancel: None }))]);
     }
-    let chunks: Vec<Range<usize>> = chunks(count).collect();
-    supervise(py, pool, |cancel| chunks.into_par_iter().filter(|_| !cancel.is_wanted()).map(&work).collect())
+    let parts: Vec<Range<usize>> = windows(count, pool).collect();
+    supervise(py, pool, |cancel| {
+        let open = parts.into_par_iter().filter(|_| !cancel.is_wanted());
+        open.map(|window| work(&Window { rays: window, cancel: Some(cancel) })).collect()
+    })
 }
 
-fn chunks(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count).step_by(CHUNK).map(move |first| first..count.min(first + CHUNK))
+/// Windows over so many rays: many a thread, so that all end at about the same time.
+fn windows(count: usize, pool: &ThreadPool) -> impl Iterator<Item = Range<usize>> + use<> {
+    let window = count.div_ceil(8 * pool.current_num_threads()).clamp(STRIDE, WINDOW);
+    (0..count).step_by(window).map(move |first| first..count.min(first + window))
 }

@@ -1,7 +1,5 @@
 //! Batches in Open3D's shapes.
 
-use std::ops::Range;
-
 use numpy::{Element, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -120,10 +118,14 @@ pub(crate) fn closest<'py>(
         primitive_normals: rows(&mut primitive_normals)?,
     };
     let caster = world.caster();
-    batch::fill(py, pool, rays.len(), fields, |range, mut fields| {
-        for (row, ray) in range.enumerate() {
-            fields.set(row, caster.closest(&rays.get(ray)), &world.mesh);
-        }
+    batch::fill(py, pool, rays.len(), fields, |window, mut fields| {
+        let mut hits = Vec::new();
+        // First all are traced, then their results fetched: so the processor waits for many of the mesh's triangles at a time.
+        window.strides(|rows, first| {
+            hits.clear();
+            hits.extend((first..).take(rows.len()).map(|ray| caster.closest(&rays.get(ray))));
+            rows.zip(&hits).for_each(|(row, hit)| fields.set(row, *hit, caster.accel.mesh()));
+        });
     })?;
     rays.check("rays")?;
     Ok(made.result)
@@ -172,39 +174,74 @@ pub(crate) fn each<'py, T: Element>(
     let array = zeros::<T>(py, shape)?;
     let mut held = array.try_readwrite()?;
     let caster = world.caster();
-    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |range, rows| {
+    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |window, rows| {
         let mut hits = Vec::new();
-        for (row, ray) in rows.iter_mut().zip(range) {
-            *row = answer(&caster, &rays.get(ray), &mut hits);
-        }
+        window.each(|row, ray| rows[row] = answer(&caster, &rays.get(ray), &mut hits));
     })?;
     rays.check(argument)?;
     Ok(array.into_any())
 }
 
-/// All hits of some rays, one ray after the other.
-struct Hits {
+/// What is found for the rays of a window: several things a ray, ray by ray.
+pub(crate) struct Found<T> {
     /// How many each ray has.
-    counts: Vec<usize>,
-    hits: Vec<Hit>,
+    pub(crate) counts: Vec<u32>,
+    /// All of them.
+    pub(crate) things: Vec<T>,
+}
+
+impl<T> Found<T> {
+    /// Nothing yet, for so many rays.
+    pub(crate) fn with_capacity(rays: usize) -> Self {
+        Self { counts: Vec::with_capacity(rays), things: Vec::new() }
+    }
+
+    /// How many things there are.
+    pub(crate) fn len(&self) -> usize {
+        self.things.len()
+    }
+
+    /// The things of each ray.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &[T]> {
+        let mut rest = &self.things[..];
+        self.counts.iter().map(move |&count| {
+            let (of_ray, others) = rest.split_at(count as usize);
+            rest = others;
+            of_ray
+        })
+    }
 }
 
 /// All hits of all rays, as one list with the places at which it is split.
 ///
 /// # Errors
 /// As [`closest`].
-pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays: &RayRows<'_>) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn list<'py>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+) -> PyResult<Bound<'py, PyDict>> {
     let caster = world.caster();
-    let parts = batch::map(py, pool, rays.len(), |range| all_hits(&caster, rays, range))?;
+    let parts = batch::map(py, pool, rays.len(), |window| {
+        let (mut found, mut of_one) = (Found::with_capacity(window.len()), Vec::new());
+        window.each(|_, ray| {
+            caster.all_hits(&rays.get(ray), &mut of_one);
+            found.counts.push(of_one.len() as u32);
+            found.things.extend_from_slice(&of_one);
+        });
+        found
+    })?;
     rays.check("rays")?;
-    let count = parts.iter().map(|part| part.hits.len()).sum();
-    let mut ends = 0;
-    let splits = parts.iter().flat_map(|part| &part.counts).map(|n| {
-        ends += *n as i64;
-        ends
+    let rows = || parts.iter().flat_map(Found::rows);
+    let hits = || rows().flatten();
+    let count = parts.iter().map(Found::len).sum();
+    let mut end = 0;
+    let splits = rows().map(|hits| {
+        end += hits.len() as i64;
+        end
     });
-    let ray_ids = parts.iter().flat_map(|part| &part.counts).enumerate().flat_map(|(ray, n)| std::iter::repeat_n(ray as i64, *n));
-    let hits = || parts.iter().flat_map(|part| &part.hits);
+    let ray_ids = rows().enumerate().flat_map(|(ray, hits)| std::iter::repeat_n(ray as i64, hits.len()));
     let result = PyDict::new(py);
     result.set_item("ray_splits", filled(py, &[rays.len() + 1], std::iter::once(0).chain(splits))?)?;
     result.set_item("ray_ids", filled(py, &[count], ray_ids)?)?;
@@ -215,19 +252,12 @@ pub(crate) fn list<'py>(py: Python<'py>, pool: &ThreadPool, world: &World, rays:
     Ok(result)
 }
 
-fn all_hits(caster: &Caster, rays: &RayRows<'_>, range: Range<usize>) -> Hits {
-    let mut found = Hits { counts: Vec::with_capacity(range.len()), hits: Vec::new() };
-    let mut of_one = Vec::new();
-    for ray in range {
-        caster.all_hits(&rays.get(ray), &mut of_one);
-        found.counts.push(of_one.len());
-        found.hits.extend_from_slice(&of_one);
-    }
-    found
-}
-
 /// A new array with these numbers.
-fn filled<'py, T: Element>(py: Python<'py>, shape: &[usize], numbers: impl Iterator<Item = T>) -> PyResult<Bound<'py, PyAny>> {
+fn filled<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    numbers: impl Iterator<Item = T>,
+) -> PyResult<Bound<'py, PyAny>> {
     let array = zeros::<T>(py, shape)?;
     for (place, number) in array.try_readwrite()?.as_slice_mut()?.iter_mut().zip(numbers) {
         *place = number;

@@ -24,8 +24,12 @@ pub(crate) fn from_scene(error: rdh_scene::Error) -> PyErr {
 pub(crate) fn from_system(file: Option<&std::path::Path>, error: std::io::Error) -> PyErr {
     let name = file.map(|f| f.display().to_string());
     match error.raw_os_error() {
-        // With a number, OSError turns into FileNotFoundError and the like.
-        Some(number) => PyOSError::new_err((number, error.to_string(), name)),
+        // With a number, OSError turns into FileNotFoundError and the like, and says the number itself.
+        Some(number) => {
+            let text = error.to_string();
+            let reason = text.strip_suffix(&format!(" (os error {number})")).unwrap_or(&text);
+            PyOSError::new_err((number, reason.to_owned(), name))
+        }
         None => PyOSError::new_err(format!("{}: {error}", name.unwrap_or_default())),
     }
 }

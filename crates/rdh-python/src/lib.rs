@@ -13,6 +13,7 @@ mod pool;
 mod profile;
 mod rays;
 mod scene;
+mod tune;
 mod world;
 
 /// The module `rdh._rdh`; the package `rdh` re-exports what is public in it.
@@ -21,7 +22,7 @@ mod _rdh {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::load::load;
+    use crate::load::{_from_bytes, _reopen, load, open};
     #[pymodule_export]
     use crate::pairs::{_any, _count, _first, _meetings};
     #[pymodule_export]

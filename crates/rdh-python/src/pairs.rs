@@ -7,7 +7,7 @@ use rdh::{Hit, Ray};
 
 use crate::arrays::{Floats, Numbers, refuse, zeros};
 use crate::batch;
-use crate::cast;
+use crate::cast::{self, Found};
 use crate::pool::pool;
 use crate::rays::RayRows;
 use crate::scene::Scene;
@@ -22,9 +22,8 @@ pub(crate) fn _first<'py>(
     directions: &Bound<'py, PyAny>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| {
-        caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32)
-    })
+    Pairs::read(origins, directions)?
+        .each(py, scene.world(), threads, |caster, ray, _| caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32))
 }
 
 /// Whether rays hit anything, bool.
@@ -68,7 +67,7 @@ pub(crate) fn _meetings<'py>(
 ) -> PyResult<Meetings<'py>> {
     let (pairs, world) = (Pairs::read(origins, directions)?, scene.world());
     let corners = Floats::read("vertices", vertices)?;
-    if corners.row_count("vertices", 3)? != world.mesh.positions().len() {
+    if corners.row_count("vertices", 3)? != world.accel().mesh().positions().len() {
         return Err(refuse("vertices", "they are not those of the scene"));
     }
     let (corners, pool) = (corners.numbers()?, pool(py, threads)?);
@@ -80,11 +79,9 @@ pub(crate) fn _meetings<'py>(
 
 type Meetings<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
 
-/// Where rays and triangles meet.
-#[derive(Clone, Copy)]
+/// Where a ray and a triangle meet.
 struct Meeting {
     triangle: u32,
-    ray: usize,
     point: [f64; 3],
 }
 
@@ -95,39 +92,47 @@ fn find_meetings(
     corners: Numbers<'_>,
     rays: &RayRows<'_>,
     most: usize,
-) -> PyResult<Vec<Vec<Meeting>>> {
+) -> PyResult<Vec<Found<Meeting>>> {
     let caster = world.caster();
-    batch::map(py, pool, rays.len(), |range| {
-        let (mut found, mut hits) = (Vec::new(), Vec::new());
-        for index in range {
-            let ray = rays.get(index);
-            if most == 1 {
-                hits.clear();
-                hits.extend(caster.closest(&ray));
-            } else {
-                caster.all_hits(&ray, &mut hits);
+    batch::map(py, pool, rays.len(), |window| {
+        let (mut found, mut hits, mut pending) = (Found::with_capacity(window.len()), Vec::new(), Vec::new());
+        // First all are traced, then placed: so the processor waits for many triangles at a time.
+        window.strides(|rows, first| {
+            for index in (first..).take(rows.len()) {
+                let ray = rays.get(index);
+                if most == 1 {
+                    hits.clear();
+                    hits.extend(caster.closest(&ray));
+                } else {
+                    caster.all_hits(&ray, &mut hits);
+                }
+                hits.truncate(most);
+                pending.extend(hits.iter().map(|hit| (index, *hit)));
+                found.counts.push(hits.len() as u32);
             }
-            for hit in hits.iter().take(most) {
-                let triangle = world.mesh.triangles()[hit.tri.index()].map(|i| corners.triple(3 * i as usize));
-                let point = meeting_point(triangle, rays.exact(index), hit);
-                found.push(Meeting { triangle: hit.tri.0, ray: index, point });
-            }
-        }
+            found.things.extend(pending.drain(..).map(|(index, hit)| {
+                let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
+                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
+                Meeting { triangle: hit.tri.0, point }
+            }));
+        });
         found
     })
 }
 
-fn gather<'py>(py: Python<'py>, meetings: &[Vec<Meeting>]) -> PyResult<Meetings<'py>> {
-    let count = meetings.iter().map(Vec::len).sum();
+fn gather<'py>(py: Python<'py>, meetings: &[Found<Meeting>]) -> PyResult<Meetings<'py>> {
+    let count = meetings.iter().map(Found::len).sum();
     let (triangles, rays) = (zeros::<i64>(py, &[count])?, zeros::<i64>(py, &[count])?);
     let points = zeros::<f64>(py, &[count, 3])?;
     {
         let (mut triangles, mut rays) = (triangles.try_readwrite()?, rays.try_readwrite()?);
         let mut points = points.try_readwrite()?;
-        let triangles = triangles.as_slice_mut()?.iter_mut().zip(rays.as_slice_mut()?);
-        let rows = triangles.zip(points.as_slice_mut()?.as_chunks_mut::<3>().0);
-        for (((triangle, ray), point), meeting) in rows.zip(meetings.iter().flatten()) {
-            (*triangle, *ray, *point) = (i64::from(meeting.triangle), meeting.ray as i64, meeting.point);
+        let places = triangles.as_slice_mut()?.iter_mut().zip(rays.as_slice_mut()?);
+        let places = places.zip(points.as_slice_mut()?.as_chunks_mut::<3>().0);
+        let rows = meetings.iter().flat_map(Found::rows).enumerate();
+        let all = rows.flat_map(|(ray, met)| met.iter().map(move |meeting| (ray, meeting)));
+        for (((triangle, ray), point), (of_ray, meeting)) in places.zip(all) {
+            (*triangle, *ray, *point) = (i64::from(meeting.triangle), of_ray as i64, meeting.point);
         }
     }
     Ok((triangles.cast_into()?, rays.cast_into()?, points.cast_into()?))
@@ -163,7 +168,8 @@ struct Pairs<'py> {
 
 impl<'py> Pairs<'py> {
     fn read(origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let (origins, directions) = (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
+        let (origins, directions) =
+            (Floats::read("ray_origins", origins)?, Floats::read("ray_directions", directions)?);
         let count = origins.row_count("ray_origins", 3)?;
         let others = directions.row_count("ray_directions", 3)?;
         if count != others {

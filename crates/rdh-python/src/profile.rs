@@ -62,7 +62,8 @@ impl Profile {
         let mut samples = Vec::new();
         // One by one: what is given may claim any length.
         for profile in profiles.try_iter().map_err(|_| refuse("profiles", "a list of profiles is needed"))? {
-            let profile = profile?.cast_into::<Self>().map_err(|_| refuse("profiles", "a list of profiles is needed"))?;
+            let profile =
+                profile?.cast_into::<Self>().map_err(|_| refuse("profiles", "a list of profiles is needed"))?;
             samples.push(Sample::clone(&*profile.get().sample()?));
         }
         let merged = Sample::merge(samples).map_err(from_library)?;
@@ -72,7 +73,7 @@ impl Profile {
     /// Writes it as a ``.rays`` file, which ``Profile.open`` and the program ``rdh`` read. Raises ``OSError``.
     fn save(&self, path: PathBuf) -> PyResult<()> {
         let bytes = self.sample()?.to_bytes();
-        rdh_study::files::write_whole(&path, &bytes).map_err(|e| from_system(Some(&path), e))
+        rdh_scene::files::write_whole(&path, &bytes).map_err(|e| from_system(Some(&path), e))
     }
 
     /// How many rays were cast while it was recorded.

@@ -58,7 +58,13 @@ impl<'a> RayRows<'a> {
         match &self.form {
             Form::Rows { numbers: Numbers::F32(all), columns } if self.origin == [0.0; 3] => {
                 let row = &all[index * columns..][..*columns];
-                let [t_min, t_max] = if let [.., t_min, t_max] = *row && *columns == 8 { [t_min, t_max] } else { self.interval };
+                let [t_min, t_max] = if let [.., t_min, t_max] = *row
+                    && *columns == 8
+                {
+                    [t_min, t_max]
+                } else {
+                    self.interval
+                };
                 Ray::from([row[0], row[1], row[2], row[3], row[4], row[5], t_min, t_max])
             }
             Form::Rows { numbers, columns } => {

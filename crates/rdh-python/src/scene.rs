@@ -1,18 +1,23 @@
 //! The class `Scene`.
 
+use std::path::PathBuf;
+
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use rdh::{Spec, Training};
+use rdh_scene::saved;
 
 use crate::arrays::{Floats, read_faces, refuse, reserve, zeros};
+use crate::batch;
 use crate::cast::{self, Wanted};
 use crate::errors::{from_library, from_scene};
 use crate::load::About;
 use crate::pool::pool;
 use crate::profile::Profile;
 use crate::rays::RayRows;
-use crate::world::{self, World};
+use crate::tune::{self, Measure};
+use crate::world::{self, SavedFile, World};
 
 /// Triangles, and a structure that finds where rays hit them.
 ///
@@ -68,13 +73,14 @@ impl Scene {
         let positions = read_positions(vertices)?;
         let triangles = read_faces("faces", faces)?;
         if let Some(row) = triangles.iter().position(|t| t.iter().any(|&i| i as usize >= positions.len())) {
-            let reason = format_args!("row {row}: {:?} refers to more than the {} vertices", triangles[row], positions.len());
+            let reason =
+                format_args!("row {row}: {:?} refers to more than the {} vertices", triangles[row], positions.len());
             return Err(refuse("faces", reason));
         }
         let placed = rdh_scene::Scene::from_triangles(positions, triangles).map_err(from_scene)?;
         let mesh = placed.flatten().map_err(from_library)?.mesh;
         let accel = world::build(py, &pool, &mesh, &spec, &Training::none())?;
-        Ok(Self::of(World::new(mesh.into(), placed.origin, accel), About::default()))
+        Ok(Self::of(World::new(accel, placed.origin, None), About::of(&placed, Vec::new())))
     }
 
     /// Casts rays for their nearest hits; of equally near ones that with the smallest id.
@@ -123,7 +129,9 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin).within(tnear, tfar);
-        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| caster.occluded(ray))
+        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| {
+            caster.occluded(ray)
+        })
     }
 
     /// How many triangles rays go through: an array of int32. An edge that triangles share counts for one of them only, so
@@ -180,8 +188,54 @@ impl Scene {
             Some(profile) => Training::from_samples(profile.sample()?.samples().to_vec()),
             None => Training::none(),
         };
-        self.world.replace(world::build(py, pool(py, threads)?.as_ref(), &self.world.mesh, &spec, &training)?);
+        self.world.replace(world::build(py, pool(py, threads)?.as_ref(), self.world.accel().mesh(), &spec, &training)?);
         Ok(())
+    }
+
+    /// Chooses a structure for the rays of a profile, and builds it in place of the present one: candidates are built from a half of
+    /// the profile, raced on a quarter, and one that knows the rays is taken only if it is surely (95 %) not slower than the best
+    /// one that needs no rays; else that one is. Answers stay the same, bit for bit. Takes as long as building and casting with
+    /// all candidates. The last quarter of the profile is saved with the scene, so that ``rdh verify`` can judge it.
+    ///
+    /// ``candidates`` lists specs, some without ``rdh``; by default the library's own. ``by`` is ``"time"``, or ``"counts"`` of steps and
+    /// tests, by which the choice is the same on every machine. ``seed`` divides the profile. ``threads`` build; times are taken on one.
+    ///
+    /// Returns the evidence, a dictionary: ``spec``, ``base`` (the best one without rays), ``outcome`` (``rays``, ``areas``,
+    /// ``too_few_rays``), ``reason`` in words, and ``trials`` with times, counts, ratios and intervals of each candidate.
+    ///
+    /// Raises ``ValueError`` for candidates that make no sense or ``by``; the scene then stays as it was.
+    ///
+    /// >>> import rdh
+    /// >>> scene = rdh.load("balls4")
+    /// >>> with rdh.record(scene) as profile:
+    /// ...     hits = scene.cast_rays(scene.camera_rays(100, 100))
+    /// >>> evidence = scene.tune(profile, by="counts")
+    /// >>> scene.spec == evidence["spec"]
+    /// True
+    #[pyo3(signature = (profile, *, candidates = None, by = "time", seed = 1, threads = None))]
+    fn tune<'py>(
+        &self,
+        py: Python<'py>,
+        profile: &Profile,
+        candidates: Option<&str>,
+        by: &str,
+        seed: u64,
+        threads: Option<i64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let candidates = candidates.map_or_else(|| Ok(Spec::candidates()), Spec::list).map_err(from_library)?;
+        let measure = Measure::read(by)?;
+        let (profile, accel) = (profile.sample()?, self.world.accel());
+        let chosen = tune::choose(py, &*pool(py, threads)?, accel.mesh(), &candidates, &profile, measure, seed)?;
+        self.world.replace(chosen);
+        self.evidence(py)
+    }
+
+    /// Why this structure was chosen and no other, as ``tune`` returned it; ``None`` if it was not chosen.
+    #[getter]
+    fn evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let text =
+            self.world.accel().provenance().evidence.as_ref().map_or_else(|| "null".to_owned(), ToString::to_string);
+        py.import("json")?.call_method1("loads", (text,))
     }
 
     /// What was built: spec, numbers of triangles, nodes, leaves and references, depth, bytes, and training rays.
@@ -214,7 +268,8 @@ impl Scene {
     /// The vertices: a new ``(n, 3)`` float64 array, in world coordinates.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let positions = self.world.mesh.positions();
+        let accel = self.world.accel();
+        let positions = accel.mesh().positions();
         let array = zeros::<f64>(py, &[positions.len(), 3])?;
         let mut held = array.try_readwrite()?;
         for (row, p) in held.as_slice_mut()?.as_chunks_mut::<3>().0.iter_mut().zip(positions) {
@@ -227,7 +282,8 @@ impl Scene {
     /// The faces: a new ``(m, 3)`` uint32 array of vertex indices.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let triangles = self.world.mesh.triangles();
+        let accel = self.world.accel();
+        let triangles = accel.mesh().triangles();
         let array = zeros::<u32>(py, &[triangles.len(), 3])?;
         array.try_readwrite()?.as_slice_mut()?.copy_from_slice(triangles.as_flattened());
         Ok(array.cast_into()?)
@@ -236,7 +292,7 @@ impl Scene {
     /// The smallest box around all triangles, ``(2, 3)`` float64 in world coordinates; inverted if there are none.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bounds = self.world.mesh.bounds();
+        let bounds = self.world.accel().mesh().bounds();
         let corners = [bounds.min, bounds.max].map(|p| [0, 1, 2].map(|a| f64::from(p[a]) + self.world.origin[a]));
         let array = zeros::<f64>(py, &[2, 3])?;
         array.try_readwrite()?.as_slice_mut()?.copy_from_slice(corners.as_flattened());
@@ -252,7 +308,7 @@ impl Scene {
     /// Its name, if it was loaded.
     #[getter]
     fn name(&self) -> &str {
-        &self.about.name
+        self.about.name()
     }
 
     /// What was dropped or repaired when it was loaded, in words.
@@ -293,12 +349,32 @@ impl Scene {
         self.about.camera_rays(py, self.world.origin, width, height, view)
     }
 
+    /// Writes the structure with its triangles as a ``.rdh`` file, which ``rdh.open`` and the program ``rdh`` read. A file that was
+    /// there is replaced as a whole, and stays what it was for those who have it open. Raises ``OSError``.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let accel = self.about.described(&self.world.accel());
+        let saved = batch::supervise(py, pool(py, Some(1))?.as_ref(), |_| saved::save(&accel, &path))?;
+        saved.map_err(from_scene)
+    }
+
+    /// A scene that was opened is sent as its path and checksum, any other with all its triangles.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let module = py.import("rdh._rdh")?;
+        match self.world.file() {
+            Some(SavedFile { path, checksum }) => Ok((module.getattr("_reopen")?, (path, checksum).into_pyobject(py)?)),
+            None => {
+                let bytes = self.about.described(&self.world.accel()).to_bytes().map_err(from_library)?;
+                Ok((module.getattr("_from_bytes")?, (PyBytes::new(py, &bytes),).into_pyobject(py)?))
+            }
+        }
+    }
+
     fn __len__(&self) -> usize {
-        self.world.mesh.len()
+        self.world.accel().mesh().len()
     }
 
     fn __repr__(&self) -> String {
-        format!("<rdh.Scene: {} triangles, {}>", self.world.mesh.len(), self.spec())
+        format!("<rdh.Scene: {} triangles, {}>", self.world.accel().mesh().len(), self.spec())
     }
 }
 

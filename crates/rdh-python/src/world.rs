@@ -1,22 +1,36 @@
-//! What a scene is made of, without Python: a mesh, where it lies, the structure over it, and who records.
+//! What a scene is made of, without Python: a structure over a mesh, where it lies, and who records.
 
+use std::path::PathBuf;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rdh::{Accel, BuildOptions, Hit, Mesh, Query, Ray, RayClass, Recorder, Spec, Training};
 use rayon::ThreadPool;
+use rdh::{Accel, BuildOptions, Hit, Mesh, Query, Ray, RayClass, Recorder, Spec, Training};
 
 use crate::batch::supervise;
 use crate::errors::from_library;
 
-/// A mesh, and the structure that answers for it now.
+/// A structure over a mesh; the structure may be replaced by another one over the same mesh.
 pub(crate) struct World {
-    pub(crate) mesh: Arc<Mesh>,
     /// What `[0, 0, 0]` of the mesh is in world coordinates.
     pub(crate) origin: [f64; 3],
-    accel: RwLock<Arc<Accel>>,
+    current: RwLock<Current>,
     recording: RwLock<Option<Arc<Recording>>>,
+}
+
+#[derive(Clone)]
+struct Current {
+    accel: Arc<Accel>,
+    /// Where it lies, if it is used there.
+    file: Option<SavedFile>,
+}
+
+/// A file that holds a structure, and what tells it from any other.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SavedFile {
+    pub(crate) path: PathBuf,
+    pub(crate) checksum: u64,
 }
 
 /// A recorder, and what its rays are for.
@@ -32,19 +46,25 @@ pub(crate) struct Caster {
 }
 
 impl World {
-    /// Over a finished structure.
-    pub(crate) fn new(mesh: Arc<Mesh>, origin: [f64; 3], accel: Accel) -> Self {
-        Self { mesh, origin, accel: RwLock::new(Arc::new(accel)), recording: RwLock::new(None) }
+    /// Over a finished structure, that of a file if one is named.
+    pub(crate) fn new(accel: Accel, origin: [f64; 3], file: Option<SavedFile>) -> Self {
+        let current = Current { accel: Arc::new(accel), file };
+        Self { origin, current: RwLock::new(current), recording: RwLock::new(None) }
     }
 
     /// The structure as it is now.
     pub(crate) fn accel(&self) -> Arc<Accel> {
-        Arc::clone(&self.accel.read().unwrap_or_else(PoisonError::into_inner))
+        self.current.read().unwrap_or_else(PoisonError::into_inner).accel.clone()
+    }
+
+    /// The file that the structure lies in, if it does.
+    pub(crate) fn file(&self) -> Option<SavedFile> {
+        self.current.read().unwrap_or_else(PoisonError::into_inner).file.clone()
     }
 
     /// Puts another structure over the same mesh in its place.
     pub(crate) fn replace(&self, accel: Accel) {
-        *self.accel.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(accel);
+        *self.current.write().unwrap_or_else(PoisonError::into_inner) = Current { accel: Arc::new(accel), file: None };
     }
 
     /// What the next batch is cast through.

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import random_rays, soup
+from making import random_rays, soup
 
 import rdh
 

@@ -122,7 +122,9 @@ def profile() -> rdh.Profile:
     ],
     ids=lambda f: f"{getattr(f, '__qualname__', f)}",
 )
-def test_garbage_is_survived(function) -> None:
+def test_garbage_is_survived(function, tmp_path, monkeypatch) -> None:
+    # Some of it is a name that a file can have.
+    monkeypatch.chdir(tmp_path)
     for arguments in attempts(5):
         survive(function, *arguments)
     try:

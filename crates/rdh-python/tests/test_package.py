@@ -3,7 +3,9 @@
 import doctest
 import importlib.util
 import inspect
+import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import types
@@ -11,6 +13,7 @@ import types
 import pytest
 
 import rdh
+import rdh.bench
 import rdh.trimesh
 
 
@@ -22,11 +25,12 @@ def test_stubs_fit_the_module() -> None:
     assert run.returncode == 0, run.stdout + run.stderr
 
 
-def test_python_files_fit_their_types() -> None:
+def test_python_files_fit_their_types(tmp_path: pathlib.Path) -> None:
     pytest.importorskip("mypy")
-    folder = pathlib.Path(rdh.__file__).parent
-    command = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", str(folder)]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    # Away from where it is installed: what lies beside it there is not ours.
+    shutil.copytree(pathlib.Path(rdh.__file__).parent, tmp_path / "rdh", ignore=shutil.ignore_patterns("*.so"))
+    command = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "rdh"]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert run.returncode == 0, run.stdout + run.stderr
 
 
@@ -67,3 +71,36 @@ def test_the_module_is_small_and_stands_alone() -> None:
     assert path.stat().st_size < 8_000_000
     assert (pathlib.Path(rdh.__file__).parent / "py.typed").exists()
     assert importlib.util.find_spec("rdh.trimesh")
+
+
+def test_importing_it_imports_nothing_else_that_is_large() -> None:
+    code = "import rdh, sys; assert rdh.trimesh and rdh.dask; assert not {'trimesh', 'dask', 'open3d'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_race_is_run(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    for needed in ("trimesh", "embreex"):
+        pytest.importorskip(needed)
+    monkeypatch.chdir(tmp_path)
+    assert rdh.bench.main(["--side", "48", "--rounds", "1", "--spec", "bvh8(quick)+sah", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    raced = {(row["rays"], row["query"]) for row in rows if row["engine"] in ("embreex", "trimesh")}
+    queries = ("closest", "closest, all fields", "occluded", "first", "any", "first locations", "all hits")
+    assert raced == {(rays, query) for rays in ("coherent", "incoherent") for query in queries}
+    assert all(row["mrays_per_sec"] > 0 and row["speedup"] > 0 for row in rows)
+    with pytest.raises(SystemExit):
+        rdh.bench.main(["--side", "0"])
+
+
+def test_the_readme_runs(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the README shows of scenes, recording and saving, block after block."""
+    trimesh = pytest.importorskip("trimesh")
+    text = (pathlib.Path(__file__).parents[1] / "README.md").read_text()
+    blocks = [part.partition("```")[0] for part in text.split("```python\n")[1:]]
+    assert len(blocks) == 4
+    monkeypatch.chdir(tmp_path)
+    names = {"mesh": trimesh.creation.box(), "rdh": rdh}
+    for block in blocks[:3]:
+        exec(block, names)
+    assert (tmp_path / "quarter.rdh").is_file()
+    assert isinstance(names["mesh"].ray, rdh.trimesh.RayMeshIntersector)

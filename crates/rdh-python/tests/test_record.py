@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from conftest import random_rays, soup
+from making import random_rays, soup
 
 import rdh
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import random_rays, soup
+from making import random_rays, soup
 
 import rdh
 
@@ -227,3 +227,24 @@ def test_rebuilding_changes_no_answer(quarter: rdh.Scene) -> None:
     with pytest.raises(ValueError, match="needs a profile"):
         scene.rebuild("kd+rdh")
     assert scene.spec == "bvh4(high)+sah"
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_batches_are_as_good_as_their_parts(threads: int, quarter: rdh.Scene) -> None:
+    low, high = quarter.bounds
+    points = np.random.default_rng(5).uniform(low, high, (2, 40_000, 3))
+    rays = np.concatenate([points[0], points[1] - points[0]], axis=1)
+    rays[::1000, 3] = np.nan
+    parts = range(0, len(rays), 400)
+    at_once, in_parts = quarter.cast_rays(rays, threads), [quarter.cast_rays(rays[k : k + 400]) for k in parts]
+    for name, array in at_once.items():
+        assert np.array_equal(array, np.concatenate([part[name] for part in in_parts]))
+    at_once, in_parts = (
+        quarter.list_intersections(rays, threads),
+        [quarter.list_intersections(rays[k : k + 400]) for k in parts],
+    )
+    for name in ("t_hit", "primitive_ids", "primitive_uvs"):
+        assert np.array_equal(at_once[name], np.concatenate([part[name] for part in in_parts]))
+    counts = np.diff(at_once["ray_splits"])
+    assert np.array_equal(counts, quarter.count_intersections(rays, threads))
+    assert np.array_equal(at_once["ray_ids"], np.repeat(np.arange(len(rays)), counts))

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import random_rays, soup
+from making import random_rays, soup
 
 import rdh
 

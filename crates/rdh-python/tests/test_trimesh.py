@@ -297,3 +297,13 @@ def test_recording_what_trimesh_casts() -> None:
     mesh.ray.scene.rebuild("bvh8+rdh", profile)
     after = mesh.ray.intersects_location(origins, directions)
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+
+
+def test_many_rays_are_as_good_as_few() -> None:
+    mesh = equipped(trimesh.creation.icosphere(subdivisions=5))
+    origins, directions = rays_for(mesh, 30_000, 4)
+    at_once = mesh.ray.intersects_location(origins, directions)
+    parts = [mesh.ray.intersects_location(origins[k : k + 300], directions[k : k + 300]) for k in range(0, 30_000, 300)]
+    assert np.array_equal(at_once[0], np.concatenate([p[0] for p in parts]))
+    assert np.array_equal(at_once[1], np.concatenate([p[1] + 300 * k for k, p in enumerate(parts)]))
+    assert np.array_equal(at_once[2], np.concatenate([p[2] for p in parts]))

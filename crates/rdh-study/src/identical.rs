@@ -12,12 +12,15 @@ use crate::integrate::{Lens, Mode, Stage};
 pub const FAMILIES: &str = "kd+sah,kd(split=exact)+sah,kd+rdh,kd+rdh(paper),bvh2+sah,bvh4+sah,bvh8+sah,bvh8(quick)+sah,\
                             bvh8(high)+sah,bvh8+rdh,bvh8(high)+rdh,sbvh8+sah,sbvh8(high)+rdh";
 
+/// Of scenes that take minutes a tree.
+pub const LARGE_FAMILIES: &str = "kd+sah,bvh8+rdh,sbvh8+sah";
+
 /// What is compared on a scene.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// What is built.
     pub specs: Vec<Spec>,
-    /// Numbers of threads that build; the first tree is the one that the others are compared with.
+    /// Numbers of threads that build, each by other instructions; with the first tree the others are compared.
     pub threads: Vec<usize>,
     /// Pixels across and down of the film, whose primary rays all others follow from.
     pub size: usize,
@@ -134,17 +137,15 @@ impl Work<'_> {
         Batch { column, rays, answers }
     }
 
-    /// The tree of a spec, built in all ways.
+    /// The tree of a spec. Each number of threads builds by other instructions, the first by the best.
     fn trees(&mut self, spec: &Spec, training: &Training) -> Result<Accel, String> {
-        let (threads, others) = self.wanted.threads.split_first().ok_or("no number of threads is given")?;
-        let tree = self.build(spec, training, *threads, Level::best())?;
-        let ways = others.iter().map(|&threads| (threads, Level::best()));
-        let slower = Level::available().into_iter().filter(|&level| level != Level::best());
-        for (threads, level) in ways.chain(slower.map(|level| (*threads, level))) {
-            let other = self.build(spec, training, threads, level)?;
-            if other.fingerprint() != tree.fingerprint() {
-                let how = format!("{threads} threads with {}", level.name());
-                self.fault(&spec.to_string(), format!("{how} build another tree"));
+        let levels = Level::available();
+        let ways: Vec<_> = self.wanted.threads.iter().copied().zip(levels.into_iter().rev().cycle()).collect();
+        let (&(threads, level), others) = ways.split_first().ok_or("no number of threads is given")?;
+        let tree = self.build(spec, training, threads, level)?;
+        for &(threads, level) in others {
+            if self.build(spec, training, threads, level)?.fingerprint() != tree.fingerprint() {
+                self.fault(&spec.to_string(), format!("{threads} threads with {} build another tree", level.name()));
             }
         }
         Ok(tree)

@@ -153,7 +153,7 @@ fn specs_that_need_rays_are_trained_on_others() {
 #[test]
 fn an_interrupted_race_goes_on_and_gives_the_same() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("race.jsonl");
+    let path = folder.path().join("race.log");
     let plan = plan(vec![naive("good", "exact")]);
     let (mut log, known) = Log::open(&path, &Settings::of(&plan)).unwrap();
     let mut through = 0;
@@ -167,6 +167,7 @@ fn an_interrupted_race_goes_on_and_gives_the_same() {
         }
     })
     .unwrap();
+    drop(log);
     let (_, known) = Log::open(&path, &Settings::of(&plan)).unwrap();
     let mut done = Vec::new();
     let rest = bench(&plan, &known, &mut |event| {
@@ -179,4 +180,36 @@ fn an_interrupted_race_goes_on_and_gives_the_same() {
     let facts = |d: &BenchDocument| d.rows.iter().map(|r| (r.engine.clone(), r.column, r.hits)).collect::<Vec<_>>();
     assert_eq!(facts(&whole), facts(&rest));
     assert_eq!(whole.rows[0].mrays_per_sec, rest.rows[0].mrays_per_sec);
+}
+
+#[test]
+fn failures_and_absent_engines_are_not_forgotten_when_a_race_goes_on() {
+    let plan = plan(vec![naive("gone", "absent"), naive("liar", "liar"), naive("good", "exact")]);
+    let mut records = Vec::new();
+    let whole = bench(&plan, &[], &mut |event| {
+        if let BenchEvent::Done(record) = event {
+            records.push((*record).clone());
+        }
+    })
+    .unwrap();
+    assert_eq!((whole.failures.len(), whole.skipped.len()), (2, 1), "{:?}", whole.failures);
+    for through in 0..=records.len() {
+        let rest = bench(&plan, &records[..through], &mut |_| ()).unwrap();
+        assert_eq!((&rest.failures, &rest.skipped), (&whole.failures, &whole.skipped), "after {through}");
+    }
+}
+
+#[test]
+fn leaky_twins_are_compared_with_their_original() {
+    let spec = "bvh8+sah".parse().unwrap();
+    let document = race(&BenchPlan { twin: Some(spec), ..plan(Vec::new()) });
+    assert!(document.failures.is_empty() && document.disagreements().count() == 0, "{:?}", document.rows);
+    for (name, _) in BenchPlan::TWINS.iter().filter(|_| document.skipped.is_empty()) {
+        let twins = rows(&document, name);
+        assert_eq!((twins.len(), twins[0].engine.clone()), (2, format!("{name}(bvh8+sah)")));
+        let ours = document.rows.iter().find(|row| row.is_ours()).unwrap();
+        assert!(twins[0].hits.abs_diff(ours.hits) <= 4 && document.speedup(ours, name).is_some());
+    }
+    let other = BenchPlan { twin: Some("kd+rdh".parse().unwrap()), ..plan(Vec::new()) };
+    assert!(bench(&other, &[], &mut |_| ()).is_err());
 }

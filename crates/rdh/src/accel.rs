@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::bvh::{self, Bvh, Width};
+use crate::bvh::{self, Bvh, Shared, Triangles, Width};
 use crate::error::{Error, Result};
 use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
@@ -47,6 +47,7 @@ pub(crate) enum Structure {
     Bvh2(Bvh<2>),
     Bvh4(Bvh<4>),
     Bvh8(Bvh<8>),
+    Compact8(Bvh<8, Shared>),
 }
 
 /// Does the same with whichever structure it is.
@@ -57,6 +58,7 @@ macro_rules! each {
             Structure::Bvh2($tree) => $work,
             Structure::Bvh4($tree) => $work,
             Structure::Bvh8($tree) => $work,
+            Structure::Compact8($tree) => $work,
         }
     };
 }
@@ -91,6 +93,7 @@ pub struct Stats {
 /// # Errors
 /// A heuristic that needs rays without any, a budget that can't be kept, lack of memory, or cancellation.
 pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Accel> {
+    spec.check()?;
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
@@ -127,13 +130,20 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
                 }
             };
             let guide = guide.as_ref();
-            Ok(match bvh.width {
-                Width::Two => Structure::Bvh2(Bvh::build(mesh, &bvh, guide, options)?),
-                Width::Four => Structure::Bvh4(Bvh::build(mesh, &bvh, guide, options)?),
-                Width::Eight => Structure::Bvh8(Bvh::build(mesh, &bvh, guide, options)?),
+            Ok(match (bvh.width, bvh.triangles) {
+                (Width::Two, Triangles::Copied) => Structure::Bvh2(Bvh::build(mesh, &bvh, guide, options)?),
+                (Width::Four, Triangles::Copied) => Structure::Bvh4(Bvh::build(mesh, &bvh, guide, options)?),
+                (Width::Eight, Triangles::Copied) => Structure::Bvh8(Bvh::build(mesh, &bvh, guide, options)?),
+                (Width::Eight, Triangles::Shared) => Structure::Compact8(Bvh::build(mesh, &bvh, guide, options)?),
+                (_, Triangles::Shared) => return Err(unknown_form(spec)),
             })
         }
     }
+}
+
+/// Text can't name such a spec, but code can.
+pub(crate) fn unknown_form(spec: &Spec) -> Error {
+    Error::Spec { spec: spec.to_string(), reason: "shared triangles are for eight children a node".to_owned() }
 }
 
 /// For a spec that leaves the choice open.
@@ -249,6 +259,7 @@ impl Accel {
             Structure::Bvh2(tree) => Structure::Bvh2(tree.with_level(level)),
             Structure::Bvh4(tree) => Structure::Bvh4(tree.with_level(level)),
             Structure::Bvh8(tree) => Structure::Bvh8(tree.with_level(level)),
+            Structure::Compact8(tree) => Structure::Compact8(tree.with_level(level)),
         };
         Self { structure, ..self }
     }
@@ -270,10 +281,12 @@ impl Structure {
         Ok(match spec.structure {
             StructureSpec::Auto => return Err(nameless(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
-            StructureSpec::Bvh(bvh) => match bvh.width {
-                Width::Two => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
-                Width::Four => Self::Bvh4(Bvh::from_parts(parts, mesh)?),
-                Width::Eight => Self::Bvh8(Bvh::from_parts(parts, mesh)?),
+            StructureSpec::Bvh(bvh) => match (bvh.width, bvh.triangles) {
+                (Width::Two, Triangles::Copied) => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
+                (Width::Four, Triangles::Copied) => Self::Bvh4(Bvh::from_parts(parts, mesh)?),
+                (Width::Eight, Triangles::Copied) => Self::Bvh8(Bvh::from_parts(parts, mesh)?),
+                (Width::Eight, Triangles::Shared) => Self::Compact8(Bvh::from_parts(parts, mesh)?),
+                (_, Triangles::Shared) => return Err(unknown_form(spec)),
             },
         })
     }
@@ -287,6 +300,7 @@ impl Structure {
             Self::Bvh2(tree) => bvh_stats(tree.tally()),
             Self::Bvh4(tree) => bvh_stats(tree.tally()),
             Self::Bvh8(tree) => bvh_stats(tree.tally()),
+            Self::Compact8(tree) => bvh_stats(tree.tally()),
         };
         let bytes = each!(self, tree => tree.bytes());
         Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }

@@ -57,6 +57,9 @@ pub(crate) struct Slice {
 }
 
 impl Slice {
+    /// Holds nothing.
+    pub(crate) const EMPTY: Self = Self { min: Four::INFINITY, max: Four::NEG_INFINITY };
+
     /// The smallest box around both.
     #[inline(always)]
     pub(crate) fn union(self, other: Self) -> Self {
@@ -69,8 +72,9 @@ impl Slice {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }
 
+    /// The box.
     #[inline(always)]
-    fn bounds(self) -> Aabb {
+    pub(crate) fn bounds(self) -> Aabb {
         Aabb { min: self.min.to_point(), max: self.max.to_point() }
     }
 }

@@ -3,7 +3,7 @@
 use crate::geom::TriId;
 use crate::mesh::Mesh;
 use crate::parts::{Part, Place};
-use crate::simd::{Block, LANES};
+use crate::simd::{LANES, Lanes};
 
 /// Something that is wrong with a structure.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,19 +43,18 @@ impl Faults {
         self.0.into_iter().map(|(_, fault)| fault).collect()
     }
 
-    /// Blocks hold copies of the mesh's triangles in all their lanes, bit for bit; the unused ones too. O(blocks).
-    pub(crate) fn check_blocks(&mut self, blocks: &[Block], mesh: &Mesh) {
-        let bits = |corners: [[f32; 3]; 3]| corners.map(|c| c.map(f32::to_bits));
+    /// Blocks hold triangles of the mesh in all their lanes, bit for bit; the unused ones too. O(blocks).
+    pub(crate) fn check_blocks<B: Lanes>(&mut self, blocks: &[B], mesh: &Mesh) {
         for (i, block) in blocks.iter().enumerate() {
             for lane in 0..LANES {
-                let id = block.ids[lane];
+                let id = block.ids()[lane];
                 let fault = match id as usize {
                     index if index >= mesh.len() => "there is no such triangle",
-                    _ if bits(block.corners(lane)) != bits(mesh.corners(TriId(id))) => "the copy differs from the mesh",
+                    _ if !block.is_faithful(lane, TriId(id), mesh) => "the copy differs from the mesh",
                     _ => continue,
                 };
                 let what = format!("block {i}, lane {lane}, triangle {id}: {fault}");
-                self.add(Place::of::<Block>(Part::Blocks, i), what);
+                self.add(Place::of::<B>(Part::Blocks, i), what);
             }
             if self.is_full() {
                 return;

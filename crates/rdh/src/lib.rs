@@ -33,6 +33,10 @@ pub mod simd;
 pub mod spec;
 mod surface;
 pub mod tune;
+#[cfg(feature = "twin")]
+#[doc(hidden)]
+#[cfg_attr(not(target_arch = "x86_64"), path = "no_twin.rs")]
+pub mod twin;
 
 pub use accel::{Accel, Provenance, Stats};
 pub use build::build;

@@ -1,8 +1,15 @@
 //! Triangle meshes that are valid by construction.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, TriId, Vec3};
-use crate::mem::{Array, bytes_of};
+use crate::mem::{Array, bytes_of, joined, reserve};
+
+/// Triangles that one thread looks at.
+const CHUNK: usize = 1 << 15;
 
 /// A triangle mesh: finite vertices, indices in range, at most 2³⁰ triangles.
 ///
@@ -66,6 +73,11 @@ impl Mesh {
         &self.positions
     }
 
+    /// The vertices, to be held.
+    pub(crate) fn position_array(&self) -> Array<Vec3> {
+        self.positions.clone()
+    }
+
     /// The triangles, three vertex indices each.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
@@ -109,8 +121,31 @@ impl Mesh {
 
     /// The triangles with three different vertices. No ray hits the others, so structures leave them out.
     pub fn solid(&self) -> impl Iterator<Item = TriId> + '_ {
+        self.solid_among(0..self.len())
+    }
+
+    fn solid_among(&self, ids: Range<usize>) -> impl Iterator<Item = TriId> + '_ {
         let solid = |[a, b, c]: &[u32; 3]| a != b && b != c && a != c;
-        (0..).zip(self.triangles.iter()).filter(move |(_, triangle)| solid(triangle)).map(|(id, _)| TriId(id))
+        let triangles = (ids.start as u32..).zip(&self.triangles[ids]);
+        triangles.filter(move |(_, triangle)| solid(triangle)).map(|(id, _)| TriId(id))
+    }
+
+    /// Something of each of them, in order; on several threads if it is to be.
+    pub(crate) fn of_solid<T: Copy + Send + Sync>(
+        &self,
+        parallel: bool,
+        make: impl Fn(TriId) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        let mut all = Vec::new();
+        if !parallel || self.len() <= CHUNK {
+            reserve(&mut all, self.len(), "references")?;
+            all.extend(self.solid().map(make));
+            return Ok(all);
+        }
+        let chunk = |first: usize| self.solid_among(first..(first + CHUNK).min(self.len())).map(&make).collect();
+        let chunks: Vec<Vec<T>> = (0..self.len()).into_par_iter().step_by(CHUNK).map(chunk).collect();
+        let chunks: Vec<&[T]> = chunks.iter().map(|chunk| &chunk[..]).collect();
+        joined(&chunks, true, "references", |_, item| item)
     }
 
     /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.

@@ -11,8 +11,9 @@ pub struct BuildOptions<'a> {
     /// How many threads may build; `None` is rayon's current pool. The result is the same on any number.
     pub threads: Option<usize>,
     /// At most so many references to triangles, not fewer than there are triangles. `None` is 8 times the triangles plus 1,000 for
-    /// a kd-tree, whose subtrees that would need more become leaves; and 1½ times the triangles for a hierarchy with spatial
-    /// splits, which never has more than that and cuts no further. Other hierarchies have one a triangle whatever stands here.
+    /// a kd-tree, whose subtrees that would need more become leaves; and 1½ times the triangles for a hierarchy that cuts triangles
+    /// (`sbvh8`, `bvh8(from=kd)`), which never has more than that and cuts no further. Other hierarchies have one a triangle whatever
+    /// stands here.
     pub max_refs: Option<usize>,
     /// At most so many bytes for the finished structure. Subtrees of a kd-tree that would need more become leaves, and if even a
     /// single leaf needs more, the build fails. A bounding volume hierarchy is built first and fails if it has become too large.

@@ -9,9 +9,9 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{BvhSpec, Effort, Width};
+use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, Width};
 use crate::error::{Error, Result};
-use crate::heuristic::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
 /// What is to be built.
@@ -49,6 +49,26 @@ impl Spec {
         self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
+    /// Refuses parts that don't go together.
+    pub(crate) fn check(&self) -> Result<()> {
+        let stages = match self.heuristic {
+            HeuristicSpec::Rdh(rdh) => rdh.stages,
+            _ => Stages::default(),
+        };
+        let reason = match self.structure {
+            StructureSpec::Bvh(BvhSpec { split: bvh::SplitSearch::Sweep, splitter: Splitter::Objects, .. })
+                if self.needs_rays() && stages.splits == By::Rays =>
+            {
+                "split=sweep compares areas: rdh counts rays between bins, unless splits=areas".to_owned()
+            }
+            StructureSpec::Kd(_) if stages != Stages::default() => {
+                format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Spec { spec: self.to_string(), reason })
+    }
+
     /// Parses a list of specs. Commas inside brackets don't separate.
     ///
     /// # Errors
@@ -82,6 +102,7 @@ impl FromStr for Spec {
             .map_err(fail)?;
         }
         let spec = Self { structure: structure.unwrap_or_default(), heuristic: heuristic.unwrap_or_default() };
+        spec.check()?;
         Ok(spec)
     }
 }
@@ -167,34 +188,53 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         "bvh4" | "sbvh4" => Width::Four,
         _ => Width::Eight,
     };
-    let mut bvh = BvhSpec { width, spatial: part.name.starts_with('s'), ..BvhSpec::default() };
+    let splitter = if part.name.starts_with('s') { Splitter::Spatial } else { Splitter::Objects };
+    let mut bvh = BvhSpec { width, splitter, ..BvhSpec::default() };
     for &(key, value) in &part.parameters {
         match (key, value) {
+            ("quick" | "high", "") if bvh.effort != Effort::Default => return Err("quick or high: give one".to_owned()),
             ("quick", "") => bvh.effort = Effort::Quick,
             ("high", "") => bvh.effort = Effort::High,
-            _ => return Err(unknown(part.name, key, "quick, high")),
+            ("split", _) => {
+                bvh.split =
+                    choice(key, value, &[("binned", bvh::SplitSearch::Binned), ("sweep", bvh::SplitSearch::Sweep)])?;
+            }
+            ("from", _) if splitter == Splitter::Spatial => {
+                return Err(format!(
+                    "from belongs to {}: spatial splits are another way to cut triangles",
+                    &part.name[1..]
+                ));
+            }
+            ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
+            ("compact", "") if width == Width::Eight => bvh.triangles = Triangles::Shared,
+            ("compact", "") => return Err(format!("compact is for bvh8 and sbvh8, not for {}", part.name)),
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep, from=kd, compact")),
         }
     }
     Ok(bvh)
 }
 
 fn bvh_name(bvh: &BvhSpec) -> &'static str {
-    match (bvh.spatial, bvh.width) {
-        (false, Width::Two) => "bvh2",
-        (false, Width::Four) => "bvh4",
-        (false, Width::Eight) => "bvh8",
-        (true, Width::Two) => "sbvh2",
-        (true, Width::Four) => "sbvh4",
-        (true, Width::Eight) => "sbvh8",
+    match (bvh.splitter, bvh.width) {
+        (Splitter::Spatial, Width::Two) => "sbvh2",
+        (Splitter::Spatial, Width::Four) => "sbvh4",
+        (Splitter::Spatial, Width::Eight) => "sbvh8",
+        (_, Width::Two) => "bvh2",
+        (_, Width::Four) => "bvh4",
+        (_, Width::Eight) => "bvh8",
     }
 }
 
 fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
-    match bvh.effort {
-        Effort::Quick => vec!["quick".to_owned()],
-        Effort::Default => Vec::new(),
-        Effort::High => vec!["high".to_owned()],
-    }
+    let effort = match bvh.effort {
+        Effort::Quick => Some("quick"),
+        Effort::Default => None,
+        Effort::High => Some("high"),
+    };
+    let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
+    let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
+    let compact = (bvh.triangles == Triangles::Shared).then_some("compact");
+    effort.into_iter().chain(split).chain(from).chain(compact).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -221,9 +261,15 @@ fn parse_rdh(part: &Part<'_>) -> Result<RdhSpec, String> {
             ("rays", _) => {
                 rdh.rays = choice(key, value, &[("clipped", RayExtent::Clipped), ("whole", RayExtent::Whole)])?;
             }
+            (stage, _) if Stages::NAMES.contains(&stage) => {
+                if let Some(by) = rdh.stages.get_mut(stage) {
+                    *by = choice(key, value, &[("rays", By::Rays), ("areas", By::Areas)])?;
+                }
+            }
             ("cap", _) => rdh.cap = Some(value.parse().map_err(|_| format!("cap={value}: a whole number is needed"))?),
             _ => {
-                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1";
+                let known = "paper, prior=NUMBER, rays=clipped|whole, cap=COUNT, blend=paper, weight=0..1, and for hierarchies \
+                             splits, moves, cuts and order=rays|areas";
                 return Err(unknown("rdh", key, known));
             }
         }
@@ -254,6 +300,9 @@ fn rdh_parameters(rdh: &RdhSpec) -> Vec<String> {
     if let Some(cap) = rdh.cap.filter(|_| rdh.cap != base.cap) {
         out.push(format!("cap={cap}"));
     }
+    let mut stages = rdh.stages;
+    let by_areas = Stages::NAMES.iter().filter(|name| stages.get_mut(name).is_some_and(|by| *by == By::Areas));
+    out.extend(by_areas.map(|name| format!("{name}=areas")));
     out
 }
 
@@ -340,8 +389,13 @@ mod tests {
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
             ("sbvh8", "sbvh8+sah"),
+            ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
+            ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
+            ("bvh8(split=binned)", "bvh8+sah"),
             (" auto ", "auto"),
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
+            ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
+            ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -359,6 +413,12 @@ mod tests {
         for text in [
             "",
             "bvh9+sah",
+            "bvh8(from=bvh)",
+            "bvh4(compact)",
+            "sbvh8(from=kd)",
+            "bvh8(quick,high)",
+            "bvh8(split=exact)",
+            "bvh8(split=sweep)+rdh",
             "kd(leaf=3)",
             "kd(leaves=8)",
             "kd(idle=-1)",
@@ -368,6 +428,8 @@ mod tests {
             "kd+kd",
             "kd(leaf=8",
             "kd+sah+rdh",
+            "kd+rdh(order=areas)",
+            "bvh8+rdh(order=area)",
             "auto+sah",
             "auto(x=1)",
         ] {

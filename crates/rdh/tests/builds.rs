@@ -53,7 +53,18 @@ fn large_trees_do_not_depend_on_threads_either() {
     let mesh = large_terrain();
     let rays = training(&soup(500, 0.05, 1));
     // The boxes of a binary node's children, which threads have found, are only seen where they are not opened at once.
-    for spec in ["bvh2+sah", "bvh8(quick)+sah", "sbvh8+sah", "bvh8(high)+sah", "bvh8+rdh"] {
+    for spec in [
+        "kd+sah",
+        "kd+rdh",
+        "bvh2+sah",
+        "bvh8(quick)+sah",
+        "bvh8(split=sweep)+sah",
+        "sbvh8+sah",
+        "bvh8(high)+sah",
+        "bvh8+rdh",
+        "bvh8(from=kd)+sah",
+        "bvh8(compact)+sah",
+    ] {
         let spec: Spec = spec.parse().expect(spec);
         let with = |threads| {
             let options = BuildOptions { threads: Some(threads), ..BuildOptions::default() };
@@ -65,7 +76,7 @@ fn large_trees_do_not_depend_on_threads_either() {
 
 #[test]
 fn reference_budgets_are_kept() {
-    for spec in ["kd+sah", "bvh8+sah", "sbvh8+sah", "sbvh8(high)+sah"] {
+    for spec in ["kd+sah", "bvh8+sah", "sbvh8+sah", "sbvh8(high)+sah", "bvh8(from=kd)+sah"] {
         let parsed: Spec = spec.parse().expect(spec);
         for (name, mesh) in nasty() {
             for max_refs in [mesh.len(), mesh.len() + mesh.len() / 16, 2 * mesh.len(), 5 * mesh.len()] {
@@ -123,7 +134,7 @@ fn builds_can_be_cancelled_in_every_stage() {
         let options = BuildOptions { threads: Some(1), cancel: Some(&cancel), ..BuildOptions::default() };
         (build(&mesh, spec, &rays, &options).err(), asked.into_inner())
     };
-    let often = ["bvh8+sah", "bvh8(high)+sah", "bvh8+rdh", "sbvh8(high)+rdh"].map(|text| {
+    let often = ["bvh8+sah", "bvh8(high)+sah", "bvh8+rdh", "sbvh8(high)+rdh", "bvh8(from=kd)+sah"].map(|text| {
         let spec: Spec = text.parse().expect(text);
         let (error, often) = cancelled_at(&spec, usize::MAX);
         assert_eq!(error, None, "{text}");
@@ -135,7 +146,7 @@ fn builds_can_be_cancelled_in_every_stage() {
         }
         often
     });
-    let [plain, high, guided, _] = often;
+    let [plain, high, guided, ..] = often;
     assert!(high >= plain + 8 && guided >= plain + 8, "moves and visits are asked about too: {often:?}");
 }
 

@@ -70,7 +70,7 @@ fn no_ray_escapes_from_a_closed_mesh() {
     const RAYS: usize = 12_000;
     let mut cast = 0;
     for (name, mesh, inside) in closed() {
-        for spec in ["kd+sah", "kd(leaf=1,split=exact)+sah", "kd+rdh", "bvh8+sah", "bvh4+sah"] {
+        for spec in ["kd+sah", "kd(leaf=1,split=exact)+sah", "kd+rdh", "bvh8+sah", "bvh4+sah", "bvh8(from=kd)+sah"] {
             let accel = build_spec(&mesh, spec);
             for aim in AIMS {
                 let mut random = Random::new(17);

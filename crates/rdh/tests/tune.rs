@@ -235,8 +235,8 @@ fn with_a_clock_time_decides_and_pays_for_the_build() {
     assert!(evidence.trials.iter().all(|t| t.build_secs.is_some_and(|s| s > 0.0) && !t.rungs.is_empty()));
     let timed = evidence.trials.iter().filter(|t| t.nanos_per_ray(Measure::Time).is_some()).count();
     assert_eq!(timed, 6, "{:#?}", evidence.trials);
-    // Two of each kind are timed a second time, longer.
-    assert_eq!(evidence.trials.iter().filter(|t| t.rungs.len() == 3 && t.rungs[2].kept).count(), 4);
+    // Two of each kind are timed twice again, longer.
+    assert_eq!(evidence.trials.iter().filter(|t| t.rungs.len() == 4 && t.rungs[3].kept).count(), 4);
     if evidence.outcome == Outcome::Rays {
         let confirmed: Confirmed = confirm(&tuned, &unseen, &TuneOptions::default(), Some(&clock)).unwrap().unwrap();
         assert!(confirmed.time.is_some());

@@ -20,9 +20,16 @@ pub(crate) struct BenchArgs {
     /// about 100,000 (rooms, quarter, grove, terrain)
     #[arg(long)]
     pub quick: bool,
+    /// Measure builds instead, ours alone: CPU time of one thread, elapsed time on one and on two, growth
+    /// [default scenes: those of --scenes DIR, terrains of 0.1, 1 and 5 million triangles, rooms, city]
+    #[arg(long, conflicts_with_all = ["quick", "engines", "columns", "size", "out", "engine_dir", "memory"])]
+    pub builds: bool,
     /// Our structures [default: bvh8(high)+sah,bvh8+sah,kd+sah]; those that need rays are trained on others of the columns
     #[arg(long, visible_alias = "spec", value_name = "LIST")]
     pub specs: Option<String>,
+    /// Race the first bvh8 or sbvh8 of ours against leaky twins of itself, too: what watertightness costs, in boxes and triangles
+    #[arg(long)]
+    pub twin: bool,
     /// Competitors, with commas: embree4, embree4-robust, embree4-pkt16, embree3, obvhs, …; none: ours alone [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub engines: Option<Vec<String>>,

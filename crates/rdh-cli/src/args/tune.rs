@@ -42,7 +42,7 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "S", conflicts_with = "counts_only")]
     pub max_build_secs: Option<f64>,
     /// How often the last ones are timed
-    #[arg(long, value_name = "N", value_parser = values::rounds, default_value_t = 5)]
+    #[arg(long, value_name = "N", value_parser = values::rounds, default_value_t = 15)]
     pub rounds: usize,
     /// How many distinct rays are recorded at most
     #[arg(long, value_name = "N", value_parser = values::ray_count, default_value_t = 65_536)]

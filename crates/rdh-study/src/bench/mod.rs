@@ -88,7 +88,17 @@ pub fn bench(plan: &BenchPlan, recorded: &[Record], see: &mut dyn FnMut(&BenchEv
     let folder = tempfile::tempdir().map_err(|e| Error::Plan(format!("there is no place for the rays' files: {e}")))?;
     let mut document = BenchDocument::new(plan, recorded);
     for (done, target) in plan.targets.iter().enumerate() {
-        let mut race = Race { plan, target, folder: folder.path(), done, document: &mut document, see: &mut *see };
+        let (failures, skipped) = (Vec::new(), Vec::new());
+        let mut race = Race {
+            plan,
+            target,
+            folder: folder.path(),
+            done,
+            document: &mut document,
+            see: &mut *see,
+            failures,
+            skipped,
+        };
         race.run(recorded);
     }
     document.summarise();

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use rdh::Spec;
+use rdh::twin::Leak;
 
 use super::columns::Column;
 use super::registry::{Registration, known_engines};
@@ -16,6 +17,8 @@ pub struct BenchPlan {
     pub targets: Vec<Target>,
     /// Our structures.
     pub specs: Vec<Spec>,
+    /// Of which of them, a `bvh8` or `sbvh8`, leaky twins race: what its watertightness costs.
+    pub twin: Option<Spec>,
     /// Kinds of rays.
     pub columns: Vec<Column>,
     /// The competitors that are wanted; those that aren't there are skipped by name.
@@ -44,6 +47,7 @@ impl Default for BenchPlan {
         Self {
             targets: Vec::new(),
             specs: Self::default_specs(),
+            twin: None,
             columns: Column::ALL.to_vec(),
             engines: known_engines(),
             programs: None,
@@ -61,6 +65,10 @@ impl Default for BenchPlan {
 impl BenchPlan {
     /// Our structures that race unless others are named.
     const SPECS: &'static str = "bvh8(high)+sah,bvh8+sah,kd+sah";
+
+    /// The leaky twins' names among those that ours are compared with, and what leaks in them.
+    pub const TWINS: [(&'static str, Leak); 3] =
+        [("leaky-twin", Leak::Both), ("leaky-boxes", Leak::Boxes), ("leaky-triangles", Leak::Triangles)];
 
     /// Generated scenes that race beside those of files: 1.6, 1.9, 2.0 and 2.0 million triangles.
     pub const GENERATED: [&'static str; 4] = ["building", "city", "forest", "terrain-large"];
@@ -93,6 +101,9 @@ impl BenchPlan {
         }
         if let Some((_, column)) = self.columns.iter().enumerate().find(|(i, c)| self.columns[..*i].contains(c)) {
             return fail(format!("column '{}' is given twice", column.name()));
+        }
+        if let Some(twin) = self.twin.filter(|twin| !self.specs.contains(twin)) {
+            return fail(format!("the twin's structure '{twin}' does not race itself"));
         }
         let sizes = [self.size, self.slow_size, self.training_size];
         let empty = [
@@ -134,6 +145,7 @@ mod tests {
             BenchPlan { targets: Vec::new(), ..good.clone() },
             BenchPlan { specs: vec![Spec::default(); 2], ..good.clone() },
             BenchPlan { columns: vec![Column::Ao, Column::Ao], ..good.clone() },
+            BenchPlan { twin: Some("bvh8(quick)+sah".parse().unwrap()), ..good.clone() },
             BenchPlan { size: 0, ..good.clone() },
             BenchPlan { size: 10_000, ..good.clone() },
             BenchPlan { rounds: 0, ..good.clone() },

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use rdh::twin::Twin;
+
 use super::BenchEvent;
 use super::columns::Column;
 use super::heat::{Heat, Outcome};
@@ -25,6 +27,16 @@ pub(crate) struct Race<'a, 's> {
     /// Where what is found out goes.
     pub(crate) document: &'a mut BenchDocument,
     pub(crate) see: &'a mut (dyn FnMut(&BenchEvent<'_>) + 's),
+    /// What has come up since the last record.
+    pub(crate) failures: Vec<BenchFailure>,
+    pub(crate) skipped: Vec<Skipped>,
+}
+
+/// A leaky twin and its original.
+struct Pair<'o> {
+    name: &'static str,
+    original: &'o Ours,
+    twin: Twin,
 }
 
 impl Race<'_, '_> {
@@ -60,12 +72,30 @@ impl Race<'_, '_> {
             self.built(&track, &accel.stats().spec.to_string(), *build_secs, accel.stats().bytes as u64);
         }
         let rays = track.rays(&ours[0].accel, self.plan, columns, self.folder)?;
-        self.heats(&track, &ours, &rays);
+        let twins = self.twins(&ours);
+        self.heats(&track, (&ours, &twins), &rays);
         Ok(())
     }
 
+    /// The leaky twins that race, and whose they are.
+    fn twins<'o>(&mut self, ours: &'o [Ours]) -> Vec<Pair<'o>> {
+        let Some(spec) = self.plan.twin else { return Vec::new() };
+        let Some(original) = ours.iter().find(|ours| ours.accel.stats().spec == spec) else { return Vec::new() };
+        let mut pairs = Vec::new();
+        for (name, leak) in BenchPlan::TWINS {
+            match Twin::of(&original.accel, leak) {
+                Some(twin) => pairs.push(Pair { name, original, twin }),
+                None => {
+                    let reason = "a twin needs a bvh8 of ordinary size, and AVX2".to_owned();
+                    self.skip(Skipped { engine: name.to_owned(), reason });
+                }
+            }
+        }
+        pairs
+    }
+
     /// All columns for one group of engines after the other.
-    fn heats(&mut self, track: &Track, ours: &[Ours], rays: &[Rays]) {
+    fn heats(&mut self, track: &Track, ours: (&[Ours], &[Pair<'_>]), rays: &[Rays]) {
         let field = self.field(track);
         let memory_bytes = self.plan.memory_bytes.unwrap_or_else(memory::usable_bytes);
         let mut groups = groups(&field, track.stage.mesh().len(), memory_bytes);
@@ -153,9 +183,10 @@ impl Race<'_, '_> {
         // In the plan's order, ours first, whatever group they ran in.
         outcomes.sort_by_key(|outcome| self.plan.engines.iter().position(|e| Some(&e.name) == outcome.base.as_ref()));
         let (scene, view) = (self.target.entry.id.clone(), track.view.clone());
+        let (failures, skipped) = (std::mem::take(&mut self.failures), std::mem::take(&mut self.skipped));
         let row = |outcome: Outcome| outcome.row(&scene, &view, track.stage.mesh().len(), column, self.plan.tolerance);
         let rows = outcomes.into_iter().map(row).collect();
-        let record = Record { scene: scene.clone(), view: view.clone(), column, rows };
+        let record = Record { scene: scene.clone(), view: view.clone(), column, rows, failures, skipped };
         (self.see)(&BenchEvent::Done(&record));
         self.document.rows.extend(record.rows);
     }
@@ -168,21 +199,29 @@ impl Race<'_, '_> {
     fn fail(&mut self, engine: Option<String>, reason: String) {
         let failure = BenchFailure { scene: self.target.entry.id.clone(), engine, reason };
         (self.see)(&BenchEvent::Failed(&failure));
-        self.document.failures.push(failure);
+        self.document.fail(&failure);
+        self.failures.push(failure);
     }
 
     /// Said once, not for every scene.
     fn skip(&mut self, skipped: Skipped) {
         if !self.document.skipped.contains(&skipped) {
             (self.see)(&BenchEvent::Skipped(&skipped));
-            self.document.skipped.push(skipped);
+            self.document.skip(&skipped);
+            self.skipped.push(skipped);
         }
     }
 }
 
 /// Ours, and what the processes of a group make of the competitors.
-fn lanes<'o>(ours: &'o [Ours], field: &[Registration], keys: Vec<Key>, processes: &[Process]) -> Vec<Lane<'o>> {
+fn lanes<'o>(
+    (ours, twins): (&'o [Ours], &'o [Pair<'o>]),
+    field: &[Registration],
+    keys: Vec<Key>,
+    processes: &[Process],
+) -> Vec<Lane<'o>> {
     let mut lanes: Vec<_> = ours.iter().map(Lane::ours).collect();
+    lanes.extend(twins.iter().map(|pair| Lane::twin(pair.name, pair.original, &pair.twin)));
     for engine in field {
         for mode in &engine.modes {
             let same = |key: &Key| key.program == engine.program && key.mode == *mode;

@@ -31,6 +31,9 @@ pub struct BenchDocument {
 pub struct Settings {
     /// Our structures.
     pub specs: Vec<Spec>,
+    /// Of which of them leaky twins race.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub twin: Option<Spec>,
     /// Competitors that were asked for.
     pub engines: Vec<String>,
     /// Kinds of rays.
@@ -58,6 +61,12 @@ pub struct Record {
     pub column: Column,
     /// What was measured; empty where no primary ray hit anything, so that there are no such rays.
     pub rows: Vec<BenchRow>,
+    /// What could not be measured, as far as it has come up in this scene since the record before.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub failures: Vec<BenchFailure>,
+    /// Competitors that weren't there, likewise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<Skipped>,
 }
 
 /// One structure on the rays of one column of one scene.
@@ -195,7 +204,7 @@ pub struct BenchFailure {
 impl BenchDocument {
     /// What is known before anything is measured.
     pub(crate) fn new(plan: &BenchPlan, done: &[Record]) -> Self {
-        Self {
+        let mut document = Self {
             version: 1,
             settings: Settings::of(plan),
             rows: done.iter().flat_map(|record| record.rows.clone()).collect(),
@@ -203,6 +212,25 @@ impl BenchDocument {
             builds: Vec::new(),
             skipped: Vec::new(),
             failures: Vec::new(),
+        };
+        for record in done {
+            record.failures.iter().for_each(|failure| document.fail(failure));
+            record.skipped.iter().for_each(|skipped| document.skip(skipped));
+        }
+        document
+    }
+
+    /// Notes what could not be measured, once.
+    pub(crate) fn fail(&mut self, failure: &BenchFailure) {
+        if !self.failures.contains(failure) {
+            self.failures.push(failure.clone());
+        }
+    }
+
+    /// Notes that a competitor is not there, once.
+    pub(crate) fn skip(&mut self, skipped: &Skipped) {
+        if !self.skipped.contains(skipped) {
+            self.skipped.push(skipped.clone());
         }
     }
 
@@ -217,6 +245,7 @@ impl Settings {
     pub fn of(plan: &BenchPlan) -> Self {
         Self {
             specs: plan.specs.clone(),
+            twin: plan.twin,
             engines: plan.engines.iter().map(|engine| engine.name.clone()).collect(),
             columns: plan.columns.clone(),
             size: plan.size,

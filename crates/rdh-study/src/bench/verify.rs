@@ -9,7 +9,7 @@ const FORGIVEN: u64 = 4;
 /// neighbouring triangles meet at edges.
 const SAME_T: f32 = 1e-3;
 
-/// All answers of one of our structures.
+/// All answers of one of our structures, or of its twin.
 #[derive(Debug)]
 pub(crate) struct Answers {
     /// Distances as engines give them: infinite for a miss, 0 for an occlusion.
@@ -32,11 +32,20 @@ pub(crate) struct Difference {
 impl Answers {
     /// Casts all rays through one of ours.
     pub(crate) fn of(accel: &Accel, rays: &[Ray], query: Query) -> Self {
+        Self::given(rays, query, (|ray: &Ray| accel.closest(ray), |ray: &Ray| accel.occluded(ray)))
+    }
+
+    /// What is given for all rays by the nearest hit, or by whether there is any.
+    pub(crate) fn given(
+        rays: &[Ray],
+        query: Query,
+        (closest, occluded): (impl Fn(&Ray) -> Option<Hit>, impl Fn(&Ray) -> bool),
+    ) -> Self {
         if query == Query::Occluded {
-            let t = rays.iter().map(|ray| if accel.occluded(ray) { 0.0 } else { f32::INFINITY });
+            let t = rays.iter().map(|ray| if occluded(ray) { 0.0 } else { f32::INFINITY });
             return Self { t: t.collect(), ids: Vec::new() };
         }
-        let hits: Vec<Option<Hit>> = rays.iter().map(|ray| accel.closest(ray)).collect();
+        let hits: Vec<Option<Hit>> = rays.iter().map(closest).collect();
         let t = hits.iter().map(|hit| hit.map_or(f32::INFINITY, |h| h.t)).collect();
         let ids = hits.iter().map(|hit| hit.map_or(u32::MAX, |h| h.tri.0)).collect();
         Self { t, ids }

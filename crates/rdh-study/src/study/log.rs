@@ -1,24 +1,26 @@
-//! The log of a study: one record a line, each with its checksum, appended and made durable before the next job begins.
+//! Logs, of a study or a race: one record a line, each with its checksum, appended and made durable before the next job begins.
 //!
 //! A line is sixteen hexadecimal digits (XXH3-64 of the rest), a space, and the record as JSON. A process that dies while it writes leaves
 //! a last line without an end, which is cut off; anything else that is wrong with a log is an error that says where.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
+use serde::{Serialize, de::DeserializeOwned};
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::record::Record;
 use crate::error::{Error, Result};
 
 /// A log that is being written, by this process alone.
 #[derive(Debug)]
-pub struct Log<F: Durable = File> {
+pub struct Log<R, F: Durable = File> {
     file: F,
     path: PathBuf,
     /// Bytes of whole records.
     len: u64,
+    records: PhantomData<fn(R)>,
 }
 
 /// What a log is written to.
@@ -48,22 +50,22 @@ impl Durable for File {
 }
 
 /// What is in a log.
-#[derive(Debug, Default)]
-pub struct Contents {
+#[derive(Debug)]
+pub struct Contents<R> {
     /// The records, in order.
-    pub records: Vec<Record>,
+    pub records: Vec<R>,
     /// Bytes of whole records.
     pub len: u64,
     /// Bytes of a torn line at the end.
     pub torn: u64,
 }
 
-impl Log {
+impl<R: Serialize + DeserializeOwned> Log<R> {
     /// Opens a log to append to, made if it isn't there; a torn last line is cut off. Returns what is in it.
     ///
     /// # Errors
     /// A log that another process is writing, that can't be read, or that is damaged otherwise.
-    pub fn open(path: &Path) -> Result<(Self, Contents)> {
+    pub fn open(path: &Path) -> Result<(Self, Contents<R>)> {
         let file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(Error::file(path))?;
         file.try_lock().map_err(|error| match error {
             TryLockError::WouldBlock => {
@@ -72,18 +74,18 @@ impl Log {
             TryLockError::Error(source) => Error::File { path: path.to_owned(), source },
         })?;
         let contents = read(path)?;
-        let mut log = Self { file, path: path.to_owned(), len: contents.len };
+        let mut log = Self { file, path: path.to_owned(), len: contents.len, records: PhantomData };
         log.file.cut(log.len).map_err(Error::file(path))?;
         Ok((log, contents))
     }
 }
 
-impl<F: Durable> Log<F> {
+impl<R: Serialize, F: Durable> Log<R, F> {
     /// Appends a record; it is safe when this returns. If it can't be written, the log holds what it held before.
     ///
     /// # Errors
     /// What the system says, with the file: a full disk, say.
-    pub fn append(&mut self, record: &Record) -> Result<()> {
+    pub fn append(&mut self, record: &R) -> Result<()> {
         let line = line(record).map_err(|e| Error::Content { path: self.path.clone(), reason: e.to_string() })?;
         match self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync()) {
             Ok(()) => {
@@ -103,9 +105,9 @@ impl<F: Durable> Log<F> {
 ///
 /// # Errors
 /// A file that can't be read; a line that ends and is damaged, with its number and byte.
-pub fn read(path: &Path) -> Result<Contents> {
+pub fn read<R: DeserializeOwned>(path: &Path) -> Result<Contents<R>> {
     let mut reader = BufReader::new(File::open(path).map_err(Error::file(path))?);
-    let mut contents = Contents::default();
+    let mut contents = Contents { records: Vec::new(), len: 0, torn: 0 };
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
@@ -117,8 +119,8 @@ pub fn read(path: &Path) -> Result<Contents> {
                 contents.records.push(record);
                 contents.len += line.len() as u64;
             }
-            // Written in one piece, a line that doesn't end is one whose writer died.
-            Err(_) if line.last() != Some(&b'\n') => contents.torn = line.len() as u64,
+            // Written in one piece, a line that doesn't end is one whose writer died; if it is one of ours.
+            Err(_) if is_begun(&line) => contents.torn = line.len() as u64,
             Err(reason) => {
                 let reason = format!("line {number}, byte {}: {reason}", contents.len);
                 return Err(Error::Content { path: path.to_owned(), reason });
@@ -128,12 +130,18 @@ pub fn read(path: &Path) -> Result<Contents> {
     Ok(contents)
 }
 
-fn line(record: &Record) -> serde_json::Result<String> {
+/// Whether a line begins as ours do, and does not end.
+fn is_begun(line: &[u8]) -> bool {
+    let (sum, rest) = line.split_at(line.len().min(16));
+    sum.iter().all(u8::is_ascii_hexdigit) && (rest.is_empty() || rest.starts_with(b" ")) && line.last() != Some(&b'\n')
+}
+
+fn line(record: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_string(record)?;
     Ok(format!("{:016x} {json}\n", xxh3_64(json.as_bytes())))
 }
 
-fn parse(line: &[u8]) -> Result<Record, String> {
+fn parse<R: DeserializeOwned>(line: &[u8]) -> Result<R, String> {
     let line = line.strip_suffix(b"\n").ok_or("the line does not end")?;
     let text = std::str::from_utf8(line).map_err(|e| e.to_string())?;
     let (sum, json) = text.split_once(' ').ok_or("there is no checksum")?;
@@ -148,7 +156,7 @@ mod tests {
     use super::*;
     use crate::integrate::Mode;
     use crate::rows::Failure;
-    use crate::study::record::Job;
+    use crate::study::record::{Job, Record};
 
     fn record(view: &str) -> Record {
         let job = Job { experiment: "modes".into(), scene: "room".into(), view: view.into(), frame: 0, mode: Mode::Ao };
@@ -157,13 +165,13 @@ mod tests {
     }
 
     fn written(path: &Path, views: &[&str]) {
-        let (mut log, _) = Log::open(path).unwrap();
+        let (mut log, _) = Log::<Record>::open(path).unwrap();
         for view in views {
             log.append(&record(view)).unwrap();
         }
     }
 
-    fn views(contents: &Contents) -> Vec<&str> {
+    fn views(contents: &Contents<Record>) -> Vec<&str> {
         contents.records.iter().map(|r| r.job.view.as_str()).collect()
     }
 
@@ -187,12 +195,12 @@ mod tests {
         let first = line(&record("a")).unwrap().len();
         for end in 0..whole.len() {
             std::fs::write(&path, &whole[..end]).unwrap();
-            let (mut log, contents) = Log::open(&path).unwrap();
+            let (mut log, contents) = Log::<Record>::open(&path).unwrap();
             let kept = if end < first { 0 } else { 1 };
             assert_eq!(contents.records.len(), kept, "cut at byte {end}");
             log.append(&record("c")).unwrap();
             drop(log);
-            let contents = read(&path).unwrap();
+            let contents = read::<Record>(&path).unwrap();
             assert_eq!((contents.records.len(), contents.torn), (kept + 1, 0), "cut at byte {end}");
         }
     }
@@ -206,16 +214,27 @@ mod tests {
         let first = line(&record("a")).unwrap().len();
         bytes[first + 40] ^= 1;
         std::fs::write(&path, &bytes).unwrap();
-        let error = Log::open(&path).unwrap_err().to_string();
+        let error = Log::<Record>::open(&path).unwrap_err().to_string();
         assert!(error.contains(&format!("jobs.log: line 2, byte {first}: the checksum is wrong")), "{error}");
+    }
+
+    #[test]
+    fn a_file_that_is_no_log_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poem.txt");
+        for text in ["once upon a time", "deadbeef: a time\n", "0123456789abcdef0"] {
+            std::fs::write(&path, text).unwrap();
+            assert!(Log::<Record>::open(&path).unwrap_err().to_string().contains("line 1, byte 0"), "{text}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
     }
 
     #[test]
     fn two_processes_cannot_write_one_log() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("jobs.log");
-        let (_log, _) = Log::open(&path).unwrap();
-        let error = Log::open(&path).unwrap_err().to_string();
+        let (_log, _) = Log::<Record>::open(&path).unwrap();
+        let error = Log::<Record>::open(&path).unwrap_err().to_string();
         assert!(error.contains("another process is writing it"), "{error}");
     }
 
@@ -253,7 +272,7 @@ mod tests {
     fn a_full_disk_is_said_and_nothing_is_lost() {
         let first = line(&record("a")).unwrap();
         let disk = Small { bytes: Vec::new(), room: first.len() + 30 };
-        let mut log = Log { file: disk, path: "jobs.log".into(), len: 0 };
+        let mut log = Log { file: disk, path: "jobs.log".into(), len: 0, records: PhantomData };
         log.append(&record("a")).unwrap();
         let error = log.append(&record("b")).unwrap_err().to_string();
         assert!(error.starts_with("jobs.log: ") && error.contains("no storage space"), "{error}");

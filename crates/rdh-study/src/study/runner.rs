@@ -66,7 +66,7 @@ pub struct Course<'a> {
 pub fn run(plan: &StudyPlan, course: &Course<'_>, observer: &mut dyn FnMut(&Progress<'_>)) -> Result<()> {
     let path = course.folder.join(course.shard.log_name());
     settle(plan, course, &path)?;
-    let (mut log, contents) = Log::open(&path)?;
+    let (mut log, contents) = Log::<Record>::open(&path)?;
     let (mut done, torn) = (contents.records.len(), contents.torn);
     observer(&Progress::Resumed { done, torn });
     let behind: BTreeSet<Job> = contents.records.into_iter().map(|r| r.job).collect();

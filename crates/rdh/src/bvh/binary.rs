@@ -8,9 +8,12 @@
 //! ```
 //! Invariant: the builder sees boxes, never a mesh.
 
+use std::ops::Range;
+
 use super::extent::Extent;
+use super::grown::{Grown, Parts};
 use super::split::{Centres, Search, Split};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::mem::reserve;
 use crate::options::Watch;
 
@@ -41,7 +44,7 @@ impl BinaryNode {
 
     /// A leaf's range of primitives.
     #[inline(always)]
-    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self) -> Range<usize> {
         let first = self.0.link as usize;
         first..first + self.0.count as usize
     }
@@ -52,15 +55,30 @@ impl BinaryNode {
         self.0.link as usize
     }
 
-    /// The same node where `more` primitives come before its own.
-    pub(crate) fn with_later_primitives(self, more: u32) -> Self {
-        if self.is_interior() { self } else { Self(self.0.with(self.0.link + more, self.0.count)) }
+    /// The same node in a list where so many nodes come before those of its own, and primitives before its own.
+    #[inline(always)]
+    pub(crate) fn after(self, nodes: u32, primitives: u32) -> Self {
+        let more = if self.is_interior() { nodes } else { primitives };
+        Self(self.0.with(self.0.link + more, self.0.count))
     }
+}
 
-    /// The same node in a list where all nodes have moved up.
-    fn moved(self, by: u32) -> Self {
-        if self.is_interior() { Self::interior(self.0, self.0.link + by) } else { self }
+/// Subtrees of at most so many nodes, in order, and the nodes above them: what several threads share out, the same for any number.
+pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Range<usize>>) {
+    let (mut above, mut below) = (Vec::new(), Vec::new());
+    let mut todo = Vec::new();
+    todo.push(0..nodes.len());
+    while let Some(subtree) = todo.pop() {
+        let root = subtree.start;
+        if subtree.len() <= most || !nodes[root].is_interior() {
+            below.push(subtree);
+            continue;
+        }
+        above.push(root);
+        let right = nodes[root].right();
+        todo.extend([right..subtree.end, root + 1..right]);
     }
+    (above, below)
 }
 
 /// The deepest that a binary tree gets, in edges.
@@ -107,7 +125,29 @@ pub(crate) fn grow<C: Chooser>(
 ) -> Result<Vec<BinaryNode>> {
     let (extent, centres) = search.measure(primitives);
     let rays = chooser.root(&extent);
-    Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })
+    let parts = Grower { search, chooser, watch }.grow(primitives, 0, Node { extent, centres, depth: 0, rays })?;
+    Ok(parts.join(search.parallel)?.nodes)
+}
+
+/// Adds a subtree by areas to a list; `first` is the place of the first primitive. It lies so deep that there is room below it for
+/// halving the primitives down to leaves.
+pub(crate) fn grow_below(
+    nodes: &mut Vec<BinaryNode>,
+    primitives: &mut [Extent],
+    first: usize,
+    depth: u32,
+    search: Search,
+    watch: &Watch<'_>,
+) -> Result<Extent> {
+    let (extent, centres) = search.measure(primitives);
+    let grower = Grower { search, chooser: &ByArea, watch };
+    grower.grow_in(nodes, primitives, first, Node { extent, centres, depth, rays: () })?;
+    Ok(extent)
+}
+
+/// How often `n` primitives are halved until leaves of `leaf` are left.
+pub(crate) fn halvings(n: usize, leaf: usize) -> u32 {
+    n.div_ceil(leaf).next_power_of_two().trailing_zeros()
 }
 
 /// What stays the same for all nodes.
@@ -127,23 +167,22 @@ pub(crate) struct Node<R> {
 
 impl<C: Chooser> Grower<'_, C> {
     /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
-    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Vec<BinaryNode>> {
+    fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Parts> {
         let n = primitives.len();
         if n <= OWN_ABOVE {
             let mut nodes = Vec::new();
             // Leaves are half full on average.
             reserve(&mut nodes, 4 * n / self.search.leaf + 1, "nodes")?;
             self.grow_in(&mut nodes, primitives, first, todo)?;
-            return Ok(nodes);
+            return Ok(Grown { nodes, ids: Vec::new() }.into());
         }
         self.watch.check_cancelled()?;
         let (left, [todo_left, todo_right]) = self.part(primitives, &todo);
         let (low, high) = primitives.split_at_mut(left);
         let grow_left = || self.grow(low, first, todo_left);
         let grow_right = || self.grow(high, first + left, todo_right);
-        let (l, r) =
-            if self.search.parallel { rayon::join(grow_left, grow_right) } else { (grow_left(), grow_right()) };
-        join(todo.extent, l?, r?)
+        let (l, r) = self.search.both(grow_left, grow_right);
+        Parts::over(todo.extent, l?, r?)
     }
 
     /// Small subtrees: one thread, one list.
@@ -179,9 +218,8 @@ impl<C: Chooser> Grower<'_, C> {
     /// Parts a node's primitives: how many are on the left, and what both sides are to become.
     fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
-        let halvings = primitives.len().div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        let split =
-            if todo.depth + halvings < DEEPEST { self.chooser.best(&self.search, primitives, todo) } else { None };
+        let has_room = todo.depth + halvings(primitives.len(), self.search.leaf) < DEEPEST;
+        let split = if has_room { self.chooser.best(&self.search, primitives, todo) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo),
             None => self.part_in_the_middle(primitives, todo),
@@ -208,21 +246,4 @@ impl<C: Chooser> Grower<'_, C> {
         let rays = self.chooser.descend(&todo.rays, &extent);
         Node { extent, centres, depth: todo.depth + 1, rays }
     }
-}
-
-/// A node over two lists.
-pub(crate) fn join(extent: Extent, mut left: Vec<BinaryNode>, right: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
-    let total = left.len() + right.len() + 1;
-    if total > u32::MAX as usize / 2 {
-        return Err(Error::OverBudget { what: "nodes", limit: u32::MAX as usize / 2 });
-    }
-    let (shift, n) = (1 + left.len() as u32, left.len());
-    reserve(&mut left, right.len() + 1, "nodes")?;
-    let node = BinaryNode::interior(extent, shift);
-    left.push(node);
-    left.copy_within(..n, 1);
-    left[0] = node;
-    left[1..=n].iter_mut().for_each(|node| *node = node.moved(1));
-    left.extend(right.into_iter().map(|node| node.moved(shift)));
-    Ok(left)
 }

@@ -1,25 +1,29 @@
 //! A build, stage by stage: the boxes of triangles, a binary tree over them, wide nodes, and the arrays that rays walk.
 
 use super::binary::{self, BinaryNode, ByArea};
+use super::cells::{self, Cells};
 use super::collapse::{Costs, Cuts};
 use super::extent::Extent;
+use super::grown::Grown;
 use super::guided::ByRays;
-use super::layout::{self, Arrays};
+use super::layout::{Arrays, Draft};
+use super::leaves::Leaves;
 use super::link::Link;
-use super::spatial::{self, Grown};
+use super::order::Asker;
 use super::split::Search;
-use super::visits::Visits;
-use super::{Bvh, BvhSpec, Effort, reinsert};
+use super::{Bvh, BvhSpec, Effort, Splitter, order, reinsert, spatial, visits};
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Scale, TriId};
-use crate::heuristic::Rdh;
+use crate::geom::{Aabb, Ray, RayFrame, Scale, TriId, Vec3, hit_triangle};
+use crate::heuristic::{By, Heuristic, Rdh, Sah, Stages};
+use crate::kd::{KdSpec, Prune};
 use crate::mem::reserve;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 
-impl<const W: usize> Bvh<W> {
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// Builds a hierarchy over a mesh, cut into wide nodes by areas, or for the rays of a heuristic. O(N log N), and O(R log N) for R rays.
     ///
     /// # Errors
@@ -30,13 +34,11 @@ impl<const W: usize> Bvh<W> {
         watch.check_cancelled()?;
         let in_mesh = mesh.bounds();
         let scale = Scale::of(&in_mesh);
-        let build = Build { mesh, spec, guide, options, scale, watch: &watch };
+        let (bounds, tracked) = (scale.scaled(&in_mesh), guide.map(|rdh| rdh.thinned(RAYS_TRACKED)));
+        let build = Build { mesh, spec, guide, tracked, options, scale, bounds, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let tree = Self {
-            tally,
-            level: options.level(),
-            ..Self::of_arrays(&in_mesh, nodes.into(), blocks.into(), mesh.mask_array())
-        };
+        let arrays = Self::of_arrays(mesh, nodes.into(), blocks.into());
+        let tree = Self { tally, level: options.level(), ..arrays };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
             _ => Ok(tree),
@@ -59,44 +61,85 @@ fn check_size(mesh: &Mesh, options: &BuildOptions<'_>) -> Result<()> {
 /// What a visit of a node costs, and a test of eight triangles.
 const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 
-/// Spatial splits may add one reference to so many.
+/// Cutting triangles may add one reference to so many. A kd-tree that may cut more (2, 4 or 8 references a triangle) makes no faster a
+/// hierarchy, but a larger one (docs/measurements.md).
 const ONE_SPARE_IN: usize = 2;
+
+/// Sampled rays that are followed down the tree; more gain nothing.
+const RAYS_TRACKED: usize = 4096;
 
 /// What all stages know.
 struct Build<'a> {
     mesh: &'a Mesh,
     spec: &'a BvhSpec,
     guide: Option<&'a Rdh>,
+    /// A fair part of its rays.
+    tracked: Option<Rdh>,
     options: &'a BuildOptions<'a>,
     scale: Scale,
+    bounds: Aabb,
     watch: &'a Watch<'a>,
 }
 
 impl Build<'_> {
-    /// The binary tree, improved as the effort says.
-    fn grow(&self) -> Result<Grown> {
-        let primitives = self.primitives()?;
-        if primitives.is_empty() {
-            return Ok(Grown::default());
+    /// The binary tree, improved as the effort says; and how often rays visit its nodes, if that has been found out.
+    fn grow(&self) -> Result<(Grown, Option<Vec<f32>>)> {
+        if self.mesh.is_empty() {
+            return Ok((Grown::default(), None));
         }
-        let grown = if self.spec.spatial { self.grow_cutting(primitives) } else { self.grow_whole(primitives) };
-        let Grown { nodes, ids } = grown?;
-        let nodes = match self.spec.effort {
-            Effort::High => reinsert::reinsert(nodes, self.is_parallel(), self.watch)?,
-            _ => nodes,
+        let grown = match self.spec.splitter {
+            Splitter::Objects => self.grow_whole(self.primitives()?),
+            Splitter::Spatial => self.grow_cutting(self.primitives()?),
+            Splitter::KdTree => self.grow_cells(),
         };
-        Ok(Grown { nodes, ids })
+        self.improve(grown?)
+    }
+
+    /// Moves subtrees to better places: for the rays as far as the effort allows, by areas only if it is high.
+    fn improve(&self, Grown { nodes, ids }: Grown) -> Result<(Grown, Option<Vec<f32>>)> {
+        let rounds = match self.spec.effort {
+            Effort::Quick => 0,
+            Effort::Default => 4,
+            Effort::High => reinsert::ROUNDS,
+        };
+        let (nodes, visits) = match (self.guide_of(|stages| stages.moves), self.spec.effort) {
+            (Some(rdh), Effort::Default | Effort::High) => {
+                let (nodes, visits) = reinsert::reinsert_for(rdh, nodes, rounds, self.is_parallel(), self.watch)?;
+                (nodes, Some(visits))
+            }
+            (None, Effort::High) => (reinsert::reinsert(nodes, self.is_parallel(), self.watch)?, None),
+            _ => (nodes, None),
+        };
+        Ok((Grown { nodes, ids }, visits))
     }
 
     fn grow_cutting(&self, references: Vec<Extent>) -> Result<Grown> {
+        let spare = self.most_refs() - self.mesh.len();
+        spatial::grow(references, &self.clipper(), self.search(), spare, self.watch)
+    }
+
+    fn grow_cells(&self) -> Result<Grown> {
+        let (prune, heuristic): (_, &dyn Heuristic) = match self.guide.filter(|rdh| rdh.stages().splits == By::Rays) {
+            Some(rdh) => (Prune::Visits, rdh),
+            None => (Prune::Area, &Sah),
+        };
+        let spec = KdSpec { prune, ..KdSpec::default() };
+        let cells = Cells { clipper: &self.clipper(), bounds: self.bounds, spec, heuristic, most: self.most_refs() };
+        cells::grow(&cells, self.search(), self.options)
+    }
+
+    fn clipper(&self) -> TriangleClipper<'_> {
+        TriangleClipper { mesh: self.mesh, scale: self.scale.factor() }
+    }
+
+    /// How many references there may be where triangles are cut.
+    fn most_refs(&self) -> usize {
         let n = self.mesh.len();
-        let most = self.options.max_refs.unwrap_or(usize::MAX).min(n + n / ONE_SPARE_IN);
-        let clipper = TriangleClipper { mesh: self.mesh, scale: self.scale.factor() };
-        spatial::grow(references, &clipper, self.search(), most - n, self.watch)
+        self.options.max_refs.unwrap_or(usize::MAX).min(n + n / ONE_SPARE_IN)
     }
 
     fn grow_whole(&self, mut primitives: Vec<Extent>) -> Result<Grown> {
-        let nodes = match self.guide {
+        let nodes = match self.guide_of(|stages| stages.splits) {
             Some(rdh) => binary::grow(&mut primitives, self.search(), &ByRays(rdh), self.watch)?,
             None => binary::grow(&mut primitives, self.search(), &ByArea, self.watch)?,
         };
@@ -108,13 +151,7 @@ impl Build<'_> {
 
     /// The box and id of every triangle, in scaled space.
     fn primitives(&self) -> Result<Vec<Extent>> {
-        let mut primitives = Vec::new();
-        reserve(&mut primitives, self.mesh.len(), "references")?;
-        primitives.extend(self.mesh.solid().map(|tri| {
-            let corners = self.mesh.corners(tri).map(|c| c.map(|x| x * self.scale.factor()));
-            Extent::new(&Aabb::around(&corners), tri.0, 0)
-        }));
-        Ok(primitives)
+        self.mesh.of_solid(self.is_parallel(), |tri| Extent::new(&Aabb::around(&self.corners(tri.0)), tri.0, 0))
     }
 
     fn search(&self) -> Search {
@@ -124,7 +161,11 @@ impl Build<'_> {
             Effort::Default => (32, 4),
             Effort::High => (32, 2),
         };
-        Search { level: self.options.level(), parallel: self.is_parallel(), bins, leaf }
+        Search { level: self.options.level(), parallel: self.is_parallel(), split: self.spec.split, bins, leaf }
+    }
+
+    fn cuts_triangles(&self) -> bool {
+        self.spec.splitter != Splitter::Objects
     }
 
     fn is_parallel(&self) -> bool {
@@ -132,25 +173,59 @@ impl Build<'_> {
     }
 
     /// Wide nodes and blocks of triangles.
-    fn pack<const W: usize>(&self, grown: Grown) -> Result<Arrays<W>> {
+    fn pack<B: Lanes, const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<B, W>> {
         let Grown { nodes, ids } = grown;
-        let weights = self.weights(&nodes)?;
-        self.watch.check_cancelled()?;
-        let cuts = Cuts::<W>::cheapest(&nodes, COSTS, |i| weights.chances[i], self.watch)?;
-        // Any-hit rays take the children in this order. Areas say too little about where rays are stopped to be worth dividing by a
-        // cost; but where spatial splits made them, a large child that holds little is soon done with.
-        let order = |i: usize| match self.guide {
-            Some(_) => weights.stops[i] / cuts.cost(i).max(f32::MIN_POSITIVE),
-            None if self.spec.spatial => weights.stops[i] / cuts.count(i) as f32,
-            None => weights.stops[i],
+        let visits = match (self.guide_of(|stages| stages.cuts), visits) {
+            (Some(_), Some(visits)) => visits,
+            (Some(rdh), None) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
+            (None, _) => visits::by_area(&nodes)?,
         };
-        layout::lay_out(&nodes, &ids, &cuts, order, |id| self.mesh.corners(TriId(id)), self.watch)
+        self.watch.check_cancelled()?;
+        let repeated = self.cuts_triangles().then_some(&ids[..]);
+        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
+        let order = self.order(&nodes, &ids, &cuts)?;
+        let (order, put) = (|i: usize| order[i], |block: &mut B, lane, id| block.put(lane, id, self.mesh));
+        let (parallel, watch) = (self.is_parallel(), self.watch);
+        Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, put, parallel, watch }.lay_out()
     }
 
-    fn weights(&self, nodes: &[BinaryNode]) -> Result<Visits> {
-        match self.guide {
-            Some(rdh) => Visits::measure(nodes, rdh, self.watch),
-            None => Visits::by_area(nodes),
+    /// Any-hit rays take those children first that get the highest numbers here.
+    fn order<const W: usize>(&self, nodes: &[BinaryNode], ids: &[u32], cuts: &Cuts<W>) -> Result<Vec<f32>> {
+        let mut order = visits::by_area(nodes)?;
+        if self.cuts_triangles() {
+            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where triangles were cut, a large
+            // child that holds little is soon done with.
+            order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
         }
+        // All rays are asked who asks for any hit: there may be few.
+        if let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) {
+            let askers = Asker::all(rdh, self.bounds.magnitude());
+            let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
+            order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
+        }
+        Ok(order)
+    }
+
+    /// Whether a ray, in scaled space, hits a triangle below a binary node.
+    fn is_hit_below(&self, nodes: &[BinaryNode], ids: &[u32], node: usize, ray: &Ray) -> bool {
+        let this = &nodes[node];
+        if this.is_interior() {
+            return [node + 1, this.right()].into_iter().any(|child| self.is_hit_below(nodes, ids, child, ray));
+        }
+        let frame = RayFrame::new(ray);
+        ids[this.range()].iter().any(|&id| {
+            let is_seen = self.mesh.masks().is_none_or(|masks| masks[id as usize] & ray.mask != 0);
+            is_seen && hit_triangle(&frame, &self.corners(id), TriId(id)).is_some()
+        })
+    }
+
+    /// In scaled space.
+    fn corners(&self, id: u32) -> [Vec3; 3] {
+        self.mesh.corners(TriId(id)).map(|c| c.map(|x| x * self.scale.factor()))
+    }
+
+    /// The rays, if a stage is to know them.
+    fn guide_of(&self, stage: impl Fn(&Stages) -> By) -> Option<&Rdh> {
+        self.tracked.as_ref().filter(|rdh| stage(&rdh.stages()) == By::Rays)
     }
 }

@@ -2,14 +2,15 @@
 
 use super::binary::DEEPEST;
 use super::link::Link;
-use super::{Bvh, Tally};
+use super::{Bvh, Leaves, Tally};
 use crate::fault::{Fault, Faults};
 use crate::geom::Aabb;
 use crate::mesh::Mesh;
 use crate::parts::{Part, Place};
-use crate::simd::{Boxes, LANES};
+use crate::simd::{Boxes, LANES, Lanes};
 
-impl<const W: usize> Bvh<W> {
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// All faults of the tree over its mesh, at most 100: links, depth, boxes that do not hold what is below them, ids and copies of
     /// triangles, and triangles that are missing. O(references).
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
@@ -34,8 +35,8 @@ impl<const W: usize> Bvh<W> {
     }
 }
 
-struct Check<'a, const W: usize> {
-    tree: &'a Bvh<W>,
+struct Check<'a, L, const W: usize> {
+    tree: &'a Bvh<W, L>,
     mesh: &'a Mesh,
     faults: Faults,
     /// Nodes that a parent has claimed.
@@ -56,14 +57,14 @@ struct Visit {
 
 const ROOT: Place = Place { part: Part::Nodes, byte: 0 };
 
-impl<'a, const W: usize> Check<'a, W> {
-    fn new(tree: &'a Bvh<W>, mesh: &'a Mesh) -> Self {
+impl<'a, L: Leaves, const W: usize> Check<'a, L, W> {
+    fn new(tree: &'a Bvh<W, L>, mesh: &'a Mesh) -> Self {
         let seen = vec![false; tree.nodes.len()];
         Self { tree, mesh, faults: Faults::default(), seen, tally: Tally::default() }
     }
 
     fn structure(&mut self) {
-        self.faults.check_blocks(&self.tree.blocks, self.mesh);
+        self.faults.check_blocks(self.tree.leaves.blocks(), self.mesh);
         let mut todo = vec![Visit { index: 0, place: ROOT, outer: self.tree.bounds, depth: 0 }];
         while let Some(visit) = todo.pop() {
             if self.faults.is_full() {
@@ -124,7 +125,7 @@ impl<'a, const W: usize> Check<'a, W> {
     fn leaf(&mut self, place: Place, link: Link) {
         self.tally.leaves += 1;
         self.tally.references += link.count() as usize;
-        if link.block() >= self.tree.blocks.len() || (link.lane() + link.count()) as usize > LANES {
+        if link.block() >= self.tree.leaves.blocks().len() || (link.lane() + link.count()) as usize > LANES {
             self.faults.add(place, format!("leaf {link:?} lies outside of the blocks"));
         }
     }
@@ -150,7 +151,7 @@ impl<'a, const W: usize> Check<'a, W> {
                 let link = Link(node.links[lane]);
                 if link.is_leaf() {
                     let lanes = link.lane() as usize..(link.lane() + link.count()) as usize;
-                    for &id in &self.tree.blocks[link.block()].ids[lanes] {
+                    for &id in &self.tree.leaves.blocks()[link.block()].ids()[lanes] {
                         covered[id as usize] = covered[id as usize].union(&node.get(lane));
                     }
                 }

@@ -1,7 +1,7 @@
 //! Spatial splits: planes between bins of space, into which references are chopped.
 
 use super::extent::Extent;
-use super::split::tests;
+use super::split::{Search, tests};
 use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::{Aabb, Axis};
@@ -97,11 +97,53 @@ enum Place {
     Both,
 }
 
-/// Finds the cheapest spatial split of a node's references. O(n + cuts).
+/// A node's references, to be split in space.
 pub(crate) struct Chop<'a, C> {
     pub(crate) references: &'a [Extent],
     pub(crate) extent: &'a Extent,
     pub(crate) clipper: &'a C,
+}
+
+/// References that one thread chops.
+const CHUNK: usize = 1 << 13;
+
+impl<C: Clipper> Chop<'_, C> {
+    /// The cheapest spatial split, if there is one. O(n + cuts).
+    pub(crate) fn best(&self, search: &Search) -> Option<SpatialSplit> {
+        let mut best = None;
+        for axis in Axis::ALL {
+            let slabs = Slabs::new(&self.extent.bounds(), axis, self.references.len());
+            if slabs.per_width.is_finite() {
+                let bins = self.fill_all(search, &slabs);
+                best = search.level.run(Cheapest { bins: &bins, slabs: &slabs, best });
+            }
+        }
+        best
+    }
+
+    fn fill_all(&self, search: &Search, slabs: &Slabs) -> [Bin; BINS] {
+        let &Self { references, clipper, extent } = self;
+        if !search.parallel || references.len() <= 2 * CHUNK {
+            return search.level.run(Fill { references, clipper, slabs });
+        }
+        let (low, high) = references.split_at(references.len() / 2);
+        let half = |references| Self { references, extent, clipper }.fill_all(search, slabs);
+        let (mut bins, others) = search.both(|| half(low), || half(high));
+        // Minima and sums of integers: any order gives the same.
+        for (bin, other) in bins.iter_mut().zip(&others) {
+            bin.extent.grow::<Portable>(&other.extent);
+            bin.entries += other.entries;
+            bin.exits += other.exits;
+        }
+        bins
+    }
+}
+
+/// Chops references along an axis.
+struct Fill<'a, C> {
+    references: &'a [Extent],
+    clipper: &'a C,
+    slabs: &'a Slabs,
 }
 
 /// Space between two planes: the box of the parts in it, how many references begin in it and how many end.
@@ -133,27 +175,12 @@ fn slice_of(reference: &Extent) -> Slice {
     Slice { min: Four::point(reference.min), max: Four::splat(0.0) - Four::point(reference.negated_max) }
 }
 
-impl<C: Clipper> Job for Chop<'_, C> {
-    type Output = Option<SpatialSplit>;
+impl<C: Clipper> Job for Fill<'_, C> {
+    type Output = [Bin; BINS];
 
     #[inline(always)]
-    fn run<K: Kernels>(self) -> Option<SpatialSplit> {
-        let bounds = self.extent.bounds();
-        let mut best: Option<SpatialSplit> = None;
-        for axis in [Axis::X, Axis::Y, Axis::Z] {
-            let slabs = Slabs::new(&bounds, axis, self.references.len());
-            if slabs.per_width.is_finite() {
-                let bins = self.fill::<K>(&slabs);
-                best = cheapest::<K>(&bins, &slabs, best);
-            }
-        }
-        best
-    }
-}
-
-impl<C: Clipper> Chop<'_, C> {
-    #[inline(always)]
-    fn fill<K: Kernels>(&self, slabs: &Slabs) -> [Bin; BINS] {
+    fn run<K: Kernels>(self) -> [Bin; BINS] {
+        let slabs = self.slabs;
         let mut bins = [Bin { extent: Extent::EMPTY, entries: 0, exits: 0 }; BINS];
         let a = slabs.axis.index();
         for reference in self.references {
@@ -206,6 +233,21 @@ impl Slabs {
     #[inline(always)]
     fn plane(&self, slab: usize) -> f32 {
         self.first + (slab + 1) as f32 * self.width
+    }
+}
+
+struct Cheapest<'a> {
+    bins: &'a [Bin; BINS],
+    slabs: &'a Slabs,
+    best: Option<SpatialSplit>,
+}
+
+impl Job for Cheapest<'_> {
+    type Output = Option<SpatialSplit>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Option<SpatialSplit> {
+        cheapest::<K>(self.bins, self.slabs, self.best)
     }
 }
 

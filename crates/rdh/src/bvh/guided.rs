@@ -10,7 +10,7 @@ use crate::heuristic::{Heuristic, NodeRays, Rdh};
 pub(crate) struct ByRays<'a>(pub(crate) &'a Rdh);
 
 /// Fewer rays decide nothing: areas outweigh them.
-const FEW: usize = 4;
+const FEW: usize = 16;
 
 impl Chooser for ByRays<'_> {
     type Rays = NodeRays;

@@ -1,19 +1,20 @@
 //! From cuts to the arrays that rays walk: wide nodes in preorder, the likeliest child first, and packed blocks of triangles.
 
+use rayon::prelude::*;
+
 use super::binary::BinaryNode;
 use super::collapse::Cuts;
 use super::link::Link;
 use crate::error::{Error, Result};
-use crate::geom::Vec3;
-use crate::mem::{reserve, settled};
+use crate::mem::{joined, reserve};
 use crate::options::Watch;
-use crate::simd::{Block, Boxes, LANES};
+use crate::simd::{Boxes, LANES, Lanes};
 
 /// A finished tree's arrays.
 #[derive(Debug, Clone)]
-pub(crate) struct Arrays<const W: usize> {
+pub(crate) struct Arrays<B, const W: usize> {
     pub(crate) nodes: Vec<Boxes<W>>,
-    pub(crate) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<B>,
     pub(crate) tally: Tally,
 }
 
@@ -30,37 +31,105 @@ pub struct Tally {
     pub references: usize,
 }
 
-/// Lays out a binary tree whose leaves hold ranges of `ids`. Of a node's children those come first for
-/// which `order` gives the most; `corners` gives a triangle's corners.
-pub(crate) fn lay_out<const W: usize>(
-    binary: &[BinaryNode],
-    ids: &[u32],
-    cuts: &Cuts<W>,
-    order: impl Fn(usize) -> f32,
-    corners: impl Fn(u32) -> [Vec3; 3],
-    watch: &Watch<'_>,
-) -> Result<Arrays<W>> {
-    let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
-    let (open, gathered) = (Vec::new(), Vec::new());
-    let mut layout = Layout { binary, ids, cuts, order, corners, watch, arrays, open, gathered };
-    if binary.is_empty() {
-        layout.new_node()?;
-    } else {
-        layout.place_all()?;
-    }
-    layout.close_blocks();
-    let Arrays { nodes, blocks, tally } = layout.arrays;
-    Ok(Arrays { nodes: settled(&nodes, "nodes")?, blocks: settled(&blocks, "blocks of triangles")?, tally })
+/// A tree to be laid out: a binary one whose leaves hold ranges of `ids`, and how it is cut. Of a node's children those come first for
+/// which `order` gives the most; `put` writes a triangle into a lane of a block.
+pub(crate) struct Draft<'a, F, G, const W: usize> {
+    pub(crate) binary: &'a [BinaryNode],
+    pub(crate) ids: &'a [u32],
+    pub(crate) cuts: &'a Cuts<W>,
+    pub(crate) order: F,
+    pub(crate) put: G,
+    pub(crate) parallel: bool,
+    pub(crate) watch: &'a Watch<'a>,
 }
 
-struct Layout<'a, F, G, const W: usize> {
-    binary: &'a [BinaryNode],
-    ids: &'a [u32],
-    cuts: &'a Cuts<W>,
-    order: F,
-    corners: G,
-    watch: &'a Watch<'a>,
-    arrays: Arrays<W>,
+/// Subtrees of up to so many references are laid out by one thread each, into arrays of their own.
+const AT_ONCE: u32 = 1 << 14;
+
+impl<F: Fn(usize) -> f32 + Sync, G: Sync, const W: usize> Draft<'_, F, G, W> {
+    /// Lays it out: first the nodes above the subtrees, then subtree by subtree.
+    pub(crate) fn lay_out<B: Lanes>(&self) -> Result<Arrays<B, W>>
+    where
+        G: Fn(&mut B, usize, u32),
+    {
+        let mut top = Layout::new(self, AT_ONCE);
+        if self.binary.is_empty() {
+            top.new_node()?;
+        } else if self.cuts.count(0) <= AT_ONCE {
+            top = Layout::new(self, 0);
+            top.place_all(0, 0)?;
+        } else {
+            top.place_all(0, 0)?;
+        }
+        top.close_blocks();
+        let subtrees = std::mem::take(&mut top.subtrees);
+        let place = |subtree: &ToPlace| {
+            let mut layout = Layout::new(self, 0);
+            layout.place_all(subtree.node, subtree.depth)?;
+            layout.close_blocks();
+            Ok(layout.arrays)
+        };
+        let placed: Result<Vec<_>> =
+            if self.parallel { subtrees.par_iter().map(place).collect() } else { subtrees.iter().map(place).collect() };
+        self.join(top.arrays, &subtrees, placed?)
+    }
+
+    fn join<B: Lanes>(
+        &self,
+        mut top: Arrays<B, W>,
+        subtrees: &[ToPlace],
+        placed: Vec<Arrays<B, W>>,
+    ) -> Result<Arrays<B, W>> {
+        let (mut nodes, mut blocks, mut starts) = (top.nodes.len(), top.blocks.len(), vec![(0, 0)]);
+        for (subtree, arrays) in subtrees.iter().zip(&placed) {
+            if let Some((parent, lane)) = subtree.parent {
+                limit("nodes", nodes, Link::MAX_NODES)?;
+                top.nodes[parent].links[lane] = Link::node(nodes).0;
+            }
+            starts.push((nodes, blocks));
+            top.tally.add(&arrays.tally);
+            (nodes, blocks) = (nodes + arrays.nodes.len(), blocks + arrays.blocks.len());
+        }
+        limit("nodes", nodes.saturating_sub(1), Link::MAX_NODES)?;
+        limit("blocks of triangles", blocks.saturating_sub(1), Link::MAX_BLOCKS)?;
+        let parts = || std::iter::once(&top).chain(&placed);
+        let of_nodes: Vec<&[Boxes<W>]> = parts().map(|part| &part.nodes[..]).collect();
+        let of_blocks: Vec<&[B]> = parts().map(|part| &part.blocks[..]).collect();
+        let nodes = joined(&of_nodes, self.parallel, "nodes", |part, mut node: Boxes<W>| {
+            let (nodes, blocks) = starts[part];
+            for lane in 0..W {
+                if node.is_present(lane) {
+                    node.links[lane] = Link(node.links[lane]).after(nodes, blocks).0;
+                }
+            }
+            node
+        })?;
+        let blocks = joined(&of_blocks, self.parallel, "blocks of triangles", |_, block| block)?;
+        Ok(Arrays { nodes, blocks, tally: top.tally })
+    }
+}
+
+/// Whether the next one can still be named.
+fn limit(what: &'static str, next: usize, limit: usize) -> Result<()> {
+    if next < limit { Ok(()) } else { Err(Error::OverBudget { what, limit }) }
+}
+
+impl Tally {
+    fn add(&mut self, part: &Self) {
+        self.depth = self.depth.max(part.depth);
+        self.interiors += part.interiors;
+        self.leaves += part.leaves;
+        self.references += part.references;
+    }
+}
+
+/// A part of a tree while it is laid out.
+struct Layout<'a, F, G, B, const W: usize> {
+    draft: &'a Draft<'a, F, G, W>,
+    /// Subtrees of up to so many references are left for later.
+    leave_up_to: u32,
+    subtrees: Vec<ToPlace>,
+    arrays: Arrays<B, W>,
     /// Blocks with room: which, and the first free lane.
     open: Vec<(usize, usize)>,
     /// A leaf's triangles.
@@ -77,30 +146,46 @@ struct ToPlace {
 /// Blocks that may wait for more triangles at the same time; leaves that lie far apart should not share one.
 const OPEN: usize = 4;
 
-impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F, G, W> {
+impl<'a, F, G, B, const W: usize> Layout<'a, F, G, B, W>
+where
+    F: Fn(usize) -> f32 + Sync,
+    G: Fn(&mut B, usize, u32) + Sync,
+    B: Lanes,
+{
+    fn new(draft: &'a Draft<'a, F, G, W>, leave_up_to: u32) -> Self {
+        let arrays = Arrays { nodes: Vec::new(), blocks: Vec::new(), tally: Tally::default() };
+        Self { draft, leave_up_to, subtrees: Vec::new(), arrays, open: Vec::new(), gathered: Vec::new() }
+    }
+
     /// Depth first: a node, then what lies below its first child.
-    fn place_all(&mut self) -> Result<()> {
-        let mut todo = vec![ToPlace { node: 0, parent: None, depth: 0 }];
+    fn place_all(&mut self, root: usize, depth: usize) -> Result<()> {
+        let Draft { binary, cuts, order, watch, .. } = self.draft;
+        let mut todo = vec![ToPlace { node: root, parent: None, depth }];
         while let Some(ToPlace { node, parent, depth }) = todo.pop() {
             let place = self.new_node()?;
-            self.watch.check_at(place)?;
+            watch.check_at(place)?;
             if let Some((parent, lane)) = parent {
                 self.arrays.nodes[parent].links[lane] = Link::node(place).0;
             }
             self.arrays.tally.depth = self.arrays.tally.depth.max(depth + 1);
             let (mut children, n) = self.children(node);
             let children = &mut children[..n];
-            children.sort_by(|&a, &b| (self.order)(b).total_cmp(&(self.order)(a)));
+            children.sort_by(|&a, &b| order(b).total_cmp(&order(a)));
             // Leaves first, so that those of one node share blocks.
-            let mut leaves: Vec<usize> = (0..n).filter(|&i| self.cuts.is_leaf(self.binary, children[i])).collect();
-            leaves.sort_by_key(|&i| std::cmp::Reverse(self.cuts.count(children[i])));
+            let mut leaves: Vec<usize> = (0..n).filter(|&i| cuts.is_leaf(binary, children[i])).collect();
+            leaves.sort_by_key(|&i| std::cmp::Reverse(cuts.count(children[i])));
             for lane in leaves {
                 let link = self.place_leaf(children[lane])?;
-                self.arrays.nodes[place].set(lane, &self.binary[children[lane]].0.bounds(), link.0);
+                self.arrays.nodes[place].set(lane, &binary[children[lane]].0.bounds(), link.0);
             }
-            for lane in (0..n).rev().filter(|&i| !self.cuts.is_leaf(self.binary, children[i])) {
-                self.arrays.nodes[place].set(lane, &self.binary[children[lane]].0.bounds(), 0);
-                todo.push(ToPlace { node: children[lane], parent: Some((place, lane)), depth: depth + 1 });
+            for lane in (0..n).rev().filter(|&i| !cuts.is_leaf(binary, children[i])) {
+                self.arrays.nodes[place].set(lane, &binary[children[lane]].0.bounds(), 0);
+                let child = ToPlace { node: children[lane], parent: Some((place, lane)), depth: depth + 1 };
+                if cuts.count(child.node) <= self.leave_up_to {
+                    self.subtrees.push(child);
+                } else {
+                    todo.push(child);
+                }
             }
         }
         Ok(())
@@ -108,14 +193,13 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
 
     /// A root that is a leaf becomes a node with one child.
     fn children(&self, node: usize) -> ([usize; W], usize) {
-        if self.cuts.is_leaf(self.binary, node) { ([node; W], 1) } else { self.cuts.children(self.binary, node) }
+        let Draft { binary, cuts, .. } = self.draft;
+        if cuts.is_leaf(binary, node) { ([node; W], 1) } else { cuts.children(binary, node) }
     }
 
     fn new_node(&mut self) -> Result<usize> {
         let place = self.arrays.nodes.len();
-        if place >= Link::MAX_NODES {
-            return Err(Error::OverBudget { what: "nodes", limit: Link::MAX_NODES });
-        }
+        limit("nodes", place, Link::MAX_NODES)?;
         reserve(&mut self.arrays.nodes, 1, "nodes")?;
         self.arrays.nodes.push(Boxes::NONE);
         self.arrays.tally.interiors += 1;
@@ -123,12 +207,12 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
     }
 
     fn gather(&mut self, node: usize) {
-        let this = self.binary[node];
+        let this = self.draft.binary[node];
         if this.is_interior() {
             self.gather(node + 1);
             self.gather(this.right());
         } else {
-            self.gathered.extend_from_slice(&self.ids[this.range()]);
+            self.gathered.extend_from_slice(&self.draft.ids[this.range()]);
         }
     }
 
@@ -145,8 +229,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
         };
         let (block, lane) = self.open[open];
         for (i, &id) in self.gathered.iter().enumerate() {
-            let corners = (self.corners)(id);
-            self.arrays.blocks[block].set(lane + i, &corners, id);
+            (self.draft.put)(&mut self.arrays.blocks[block], lane + i, id);
         }
         self.open[open].1 += count;
         if self.open[open].1 == LANES {
@@ -159,9 +242,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
 
     fn open_block(&mut self) -> Result<usize> {
         let block = self.arrays.blocks.len();
-        if block >= Link::MAX_BLOCKS {
-            return Err(Error::OverBudget { what: "blocks of triangles", limit: Link::MAX_BLOCKS });
-        }
+        limit("blocks of triangles", block, Link::MAX_BLOCKS)?;
         reserve(&mut self.arrays.blocks, 1, "blocks of triangles")?;
         self.arrays.blocks.push(bytemuck::Zeroable::zeroed());
         if self.open.len() == OPEN {
@@ -181,7 +262,7 @@ impl<F: Fn(usize) -> f32, G: Fn(u32) -> [Vec3; 3], const W: usize> Layout<'_, F,
     /// Unused lanes repeat the last triangle.
     fn pad(&mut self, block: usize, lane: usize) {
         let block = &mut self.arrays.blocks[block];
-        let (corners, id) = (block.corners(lane - 1), block.ids[lane - 1]);
-        (lane..LANES).for_each(|lane| block.set(lane, &corners, id));
+        let id = block.ids()[lane - 1];
+        (lane..LANES).for_each(|lane| (self.draft.put)(block, lane, id));
     }
 }

@@ -35,6 +35,16 @@ impl Link {
         Self(Self::LEAF | (block as u32) << 6 | (lane as u32) << 3 | (count as u32 - 1))
     }
 
+    /// The same child where so many nodes and blocks come before those of its own part.
+    #[inline(always)]
+    pub(crate) fn after(self, nodes: usize, blocks: usize) -> Self {
+        if self.is_leaf() {
+            Self::leaf(self.block() + blocks, self.lane() as usize, self.count() as usize)
+        } else {
+            Self::node(self.index() + nodes)
+        }
+    }
+
     /// Whether it is a leaf.
     #[inline(always)]
     pub(crate) fn is_leaf(self) -> bool {

@@ -1,28 +1,37 @@
 //! Bounding volume hierarchies: a binary tree by binned SAH, cut into wide nodes, whose children are tested at once.
 //!
-//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`) or by sampled rays
-//! (`guided`), `spatial` one with cut triangles (`chop`); `reinsert` improves it; `visits` says how often rays come to each node,
-//! `collapse` cuts it into wide nodes, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
+//! `build` leads through the stages: `binary` grows the tree over boxes (`extent`) by areas (`split`, `sweep`) or by sampled rays
+//! (`guided`), `spatial` one with cut triangles (`chop`), `cells` one from a kd-tree; `reinsert` improves it, for rays as `crowd`
+//! counts them; `visits` says how often rays come to each node, `collapse` cuts it into wide nodes, `order` says which child any-hit
+//! rays try first, `layout` packs them, and their words (`link`) say what lies below. `trace` walks them;
 //! `check` proves them.
 
 mod binary;
 mod build;
+mod cells;
 mod check;
 mod chop;
 mod collapse;
+mod crowd;
 mod extent;
+mod grown;
 mod guided;
 mod layout;
+mod leaves;
 mod link;
+mod order;
 mod reinsert;
 mod spatial;
 mod spec;
 mod split;
-mod trace;
+mod sweep;
+pub(crate) mod trace;
 mod visits;
 
 pub use layout::Tally;
-pub use spec::{BvhSpec, Effort, Width};
+pub(crate) use leaves::Leaves;
+pub use leaves::{Copies, Shared};
+pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, Width};
 
 use link::Link;
 
@@ -33,17 +42,18 @@ use crate::mem::{Array, bytes_of};
 use crate::mesh::Mesh;
 use crate::parts::{Part, Parts, Written};
 use crate::probe::Probe;
-use crate::simd::{Block, Boxes, Level};
+use crate::simd::{Boxes, Lanes, Level};
 
-/// A finished hierarchy with up to `W` children a node, and its own copies of the triangles. Plain arrays without pointers.
+/// A finished hierarchy with up to `W` children a node, and its own copies of the triangles, or indices to the mesh's. Plain arrays
+/// without pointers.
 #[derive(Debug, Clone)]
-pub struct Bvh<const W: usize> {
+pub struct Bvh<const W: usize, L = Copies> {
     scale: Scale,
     /// In scaled space, like all boxes.
     bounds: Aabb,
     magnitude: f32,
     nodes: Array<Boxes<W>>,
-    blocks: Array<Block>,
+    leaves: L,
     masks: Option<Array<u32>>,
     tally: Tally,
     level: Level,
@@ -53,18 +63,21 @@ pub struct Bvh<const W: usize> {
 /// choices need no more.
 pub(crate) const RAYS_COUNTED: u32 = 256;
 
-impl<const W: usize> Bvh<W> {
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// With nothing counted yet.
-    fn of_arrays(in_mesh: &Aabb, nodes: Array<Boxes<W>>, blocks: Array<Block>, masks: Option<Array<u32>>) -> Self {
-        let scale = Scale::of(in_mesh);
-        let bounds = scale.scaled(in_mesh);
-        let (magnitude, tally) = (bounds.magnitude(), Tally::default());
-        Self { scale, bounds, magnitude, nodes, blocks, masks, tally, level: Level::best() }
+    fn of_arrays(mesh: &Mesh, nodes: Array<Boxes<W>>, blocks: Array<L::Block>) -> Self {
+        let in_mesh = mesh.bounds();
+        let scale = Scale::of(&in_mesh);
+        let bounds = scale.scaled(&in_mesh);
+        let (magnitude, tally, masks) = (bounds.magnitude(), Tally::default(), mesh.mask_array());
+        let leaves = L::new(blocks, mesh);
+        Self { scale, bounds, magnitude, nodes, leaves, masks, tally, level: Level::best() }
     }
 
     /// Its arrays, to be saved.
     pub(crate) fn parts(&self) -> Vec<Written<'_>> {
-        vec![Written::new(Part::Nodes, &self.nodes), Written::new(Part::Blocks, &self.blocks)]
+        vec![Written::new(Part::Nodes, &self.nodes), Written::new(Part::Blocks, self.leaves.blocks())]
     }
 
     /// The tree that saved arrays make, once they are known to be one over this mesh. O(nodes + blocks).
@@ -73,7 +86,7 @@ impl<const W: usize> Bvh<W> {
     /// [`Error::Format`](crate::Error::Format) at the first fault, or lack of memory.
     pub(crate) fn from_parts(parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         let (nodes, blocks) = (parts.get(Part::Nodes)?, parts.get(Part::Blocks)?);
-        let tree = Self::of_arrays(&mesh.bounds(), nodes, blocks, mesh.mask_array());
+        let tree = Self::of_arrays(mesh, nodes, blocks);
         let tally = tree.tally_checked(mesh).map_err(|(place, fault)| parts.error(place, fault.0))?;
         Ok(Self { tally, ..tree })
     }
@@ -86,30 +99,54 @@ impl<const W: usize> Bvh<W> {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.level.run(trace::Walk::<_, leaf::Closest, W> { tree: self, ray, probe, start: () })
+        self.level.run(trace::Walk::<_, leaf::Closest, L, W> { tree: self, ray, probe, start: () })
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.level.run(trace::Walk::<_, leaf::Any, W> { tree: self, ray, probe, start: () })
+        self.level.run(trace::Walk::<_, leaf::Any, L, W> { tree: self, ray, probe, start: () })
     }
 
     /// The nearest hit that `passes`.
     pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
-        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>, L, W> {
+            tree: self,
+            ray,
+            probe: &mut (),
+            start: passes,
+        })
     }
 
     /// Whether there is a hit that `passes`.
     pub fn occluded_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> bool {
-        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>, W> { tree: self, ray, probe: &mut (), start: passes })
+        self.level.run(trace::Walk::<_, leaf::AnyWhere<'_>, L, W> { tree: self, ray, probe: &mut (), start: passes })
     }
 
     /// All hits, nearest first, then by id, each shared edge owned by one triangle; `hits` is cleared first.
     pub fn all_hits<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
         hits.clear();
-        self.level.run(trace::Walk::<_, leaf::All<'_>, W> { tree: self, ray, probe, start: hits });
+        self.level.run(trace::Walk::<_, leaf::All<'_>, L, W> { tree: self, ray, probe, start: hits });
         leaf::in_order(hits);
+    }
+
+    /// Its nodes.
+    #[cfg(feature = "twin")]
+    pub(crate) fn nodes(&self) -> &Array<Boxes<W>> {
+        &self.nodes
+    }
+
+    /// Its leaves.
+    #[cfg(feature = "twin")]
+    pub(crate) fn leaves(&self) -> &L {
+        &self.leaves
+    }
+
+    /// A ray, made ready for its boxes.
+    #[cfg(feature = "twin")]
+    #[inline(always)]
+    pub(crate) fn box_ray<K: crate::simd::Kernels>(&self, ray: &Ray) -> Option<K::BoxRay> {
+        K::box_ray(ray, self.scale, self.magnitude)
     }
 
     /// How many nodes, leaves and references there are, and how deep they lie.
@@ -117,9 +154,10 @@ impl<const W: usize> Bvh<W> {
         self.tally
     }
 
-    /// Bytes of nodes and blocks, masks included.
+    /// Bytes of nodes and blocks, masks included, and the mesh's vertices where leaves index them.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]) + self.masks.as_ref().map_or(0, |m| 4 * m.len())
+        let blocks = size_of_val(&self.leaves.blocks()[..]) + self.leaves.other_bytes();
+        size_of_val(&self.nodes[..]) + blocks + self.masks.as_ref().map_or(0, |m| 4 * m.len())
     }
 
     /// The box of everything that can be hit.
@@ -136,7 +174,11 @@ impl<const W: usize> Bvh<W> {
                 let link = Link(node.links[lane]);
                 if link.is_leaf() {
                     let lanes = link.lane() as usize..(link.lane() + link.count()) as usize;
-                    visit(self.scale.unscaled(&node.get(lane)), depth, &self.blocks[link.block()].ids[lanes]);
+                    visit(
+                        self.scale.unscaled(&node.get(lane)),
+                        depth,
+                        &self.leaves.blocks()[link.block()].ids()[lanes],
+                    );
                 } else {
                     todo.push((link.index(), depth + 1));
                 }
@@ -148,7 +190,7 @@ impl<const W: usize> Bvh<W> {
     pub fn fingerprint(&self) -> u64 {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
         hash.update(bytes_of(&self.nodes));
-        hash.update(bytes_of(&self.blocks));
+        hash.update(bytes_of(self.leaves.blocks()));
         hash.digest()
     }
 }

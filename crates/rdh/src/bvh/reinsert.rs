@@ -7,16 +7,22 @@
 use rayon::prelude::*;
 
 use super::binary::{BinaryNode, DEEPEST};
+use super::crowd::Crowd;
 use super::extent::Extent;
 use crate::error::Result;
+use crate::heuristic::Rdh;
 use crate::mem::reserve;
 use crate::options::Watch;
 use crate::simd::Portable;
 
 /// Rounds of search and moves.
-const ROUNDS: usize = 8;
+pub(crate) const ROUNDS: usize = 8;
 /// Of all nodes, the largest are searched a place for: one in so many.
 const SHARE: usize = 4;
+/// Below nodes that fewer sampled rays visit nothing is moved for their sake.
+const FEW: usize = 4;
+/// Nodes whose areas one thread adds up.
+const CHUNK: usize = 1 << 14;
 
 /// A tree of the same leaves that costs less, or the same tree. O(rounds · N · nodes searched).
 pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
@@ -25,26 +31,55 @@ pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>
     }
     let (mut tree, mut before) = (Tree::new(&nodes)?, Tree::new(&nodes)?);
     let mut round = Round::new(nodes.len())?;
-    let mut cost = tree.cost();
+    let mut cost = tree.cost(parallel);
     for _ in 0..ROUNDS {
         watch.check_cancelled()?;
         before.copy_from(&tree);
-        if !tree.improve(&mut round, parallel, watch)? {
+        if !tree.improve(None, &mut round, parallel, watch)? {
             break;
         }
         // Each move gains by itself; what several of them do to the same ancestors was not asked.
-        let now = tree.cost();
+        let now = tree.cost(parallel);
         if now >= cost || tree.depth() > DEEPEST {
             tree = before;
             break;
         }
         cost = now;
     }
-    tree.in_preorder(nodes)
+    tree.in_preorder(&nodes)
+}
+
+/// A tree of the same leaves that sampled rays visit less, or the same tree; and the chances that a ray which meets the root visits each
+/// node. Moves are found as above, but only those are made that pay for the rays.
+pub(crate) fn reinsert_for(
+    rdh: &Rdh,
+    mut nodes: Vec<BinaryNode>,
+    rounds: usize,
+    parallel: bool,
+    watch: &Watch<'_>,
+) -> Result<(Vec<BinaryNode>, Vec<f32>)> {
+    let mut crowd = Crowd::new(&nodes, rdh, watch)?;
+    let mut round = Round::new(nodes.len())?;
+    let mut cost = crowd.cost(&nodes);
+    for _ in 0..rounds {
+        watch.check_cancelled()?;
+        let mut tree = Tree::new(&nodes)?;
+        if !tree.improve(Some(&crowd), &mut round, parallel, watch)? || tree.depth() > DEEPEST {
+            break;
+        }
+        let moved = tree.in_preorder(&nodes)?;
+        let now = Crowd::new(&moved, rdh, watch)?;
+        let cost_now = now.cost(&moved);
+        if cost_now >= cost {
+            break;
+        }
+        (nodes, crowd, cost) = (moved, now, cost_now);
+    }
+    Ok((nodes, crowd.into_chances()))
 }
 
 /// The tree while nodes move about: node 0 is the root.
-struct Tree {
+pub(crate) struct Tree {
     extents: Vec<Extent>,
     links: Vec<Links>,
 }
@@ -58,15 +93,18 @@ struct Links {
 
 /// A subtree, the node that is to become its sibling, and what that saves.
 #[derive(Clone, Copy)]
-struct Move {
-    node: u32,
-    to: u32,
+pub(crate) struct Move {
+    pub(crate) node: u32,
+    pub(crate) to: u32,
     gain: f32,
 }
 
+/// A node that is searched a place for, the one with the largest box first.
+type Candidate = (std::cmp::Reverse<u32>, u32);
+
 /// What a round needs memory for.
 struct Round {
-    candidates: Vec<u32>,
+    candidates: Vec<Candidate>,
     moves: Vec<Move>,
     /// The nodes that a move has changed or relied on.
     touched: Vec<bool>,
@@ -76,7 +114,7 @@ impl Round {
     fn new(n: usize) -> Result<Self> {
         let (mut candidates, mut moves, mut touched) = (Vec::new(), Vec::new(), Vec::new());
         reserve(&mut candidates, n, "nodes")?;
-        reserve(&mut moves, n.div_ceil(SHARE), "moves")?;
+        reserve(&mut moves, n, "moves")?;
         reserve(&mut touched, n, "nodes")?;
         touched.resize(n, false);
         Ok(Self { candidates, moves, touched })
@@ -103,17 +141,30 @@ impl Tree {
         self.links.copy_from_slice(&other.links);
     }
 
-    /// The sum of the interior nodes' half areas.
-    fn cost(&self) -> f64 {
-        let interiors = self.links.iter().zip(&self.extents).filter(|(links, _)| links.children[0] != 0);
-        interiors.map(|(_, extent)| f64::from(extent.half_area())).sum()
+    /// The sum of the interior nodes' half areas: chunk by chunk, so that it is the same on any number of threads.
+    fn cost(&self, parallel: bool) -> f64 {
+        let sum = |(links, extents): (&[Links], &[Extent])| -> f64 {
+            let interiors = links.iter().zip(extents).filter(|(links, _)| links.children[0] != 0);
+            interiors.map(|(_, extent)| f64::from(extent.half_area())).sum()
+        };
+        if parallel {
+            let chunks = self.links.par_chunks(CHUNK).zip(self.extents.par_chunks(CHUNK));
+            return chunks.map(sum).collect::<Vec<f64>>().iter().sum();
+        }
+        self.links.chunks(CHUNK).zip(self.extents.chunks(CHUNK)).map(sum).sum()
     }
 
-    /// Searches and moves once; whether anything moved.
-    fn improve(&mut self, round: &mut Round, parallel: bool, watch: &Watch<'_>) -> Result<bool> {
+    /// Searches and moves once, by areas or where it pays for a crowd of rays; whether anything moved.
+    fn improve(
+        &mut self,
+        crowd: Option<&Crowd<'_>>,
+        round: &mut Round,
+        parallel: bool,
+        watch: &Watch<'_>,
+    ) -> Result<bool> {
         let Round { candidates, moves, touched } = round;
-        self.choose_candidates(candidates);
-        self.search(candidates, moves, parallel, watch)?;
+        self.choose_candidates(crowd, candidates, parallel);
+        self.search(crowd, candidates, moves, parallel, watch)?;
         touched.fill(false);
         let mut any = false;
         for (i, step) in moves.iter().enumerate() {
@@ -130,12 +181,24 @@ impl Tree {
     }
 
     /// The candidates' best moves, as far as they gain: those that gain most come first.
-    fn search(&self, candidates: &[u32], moves: &mut Vec<Move>, parallel: bool, watch: &Watch<'_>) -> Result<()> {
+    fn search(
+        &self,
+        crowd: Option<&Crowd<'_>>,
+        candidates: &[Candidate],
+        moves: &mut Vec<Move>,
+        parallel: bool,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
         moves.clear();
-        moves.extend(candidates.iter().map(|&node| Move { node, to: node, gain: 0.0 }));
+        moves.extend(candidates.iter().map(|&(_, node)| Move { node, to: node, gain: 0.0 }));
         let search = |moves: &mut [Move]| {
             watch.check_cancelled()?;
-            moves.iter_mut().for_each(|best| *best = self.best_move(best.node));
+            for best in moves {
+                *best = self.best_move(best.node);
+                if let Some(crowd) = crowd.filter(|_| self.is_worth_a_move(best)) {
+                    best.gain = crowd.gain(self, best);
+                }
+            }
             Ok(())
         };
         if parallel {
@@ -143,25 +206,75 @@ impl Tree {
         } else {
             moves.chunks_mut(Watch::STEPS).try_for_each(search)?;
         }
-        moves.retain(|step| step.gain > 0.0 && step.to != step.node && step.to != self.sibling(step.node));
-        moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node)));
+        moves.retain(|step| self.is_worth_a_move(step));
+        // No two are equal: any sort gives the same.
+        let order = |a: &Move, b: &Move| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node));
+        if parallel {
+            moves.par_sort_unstable_by(order)
+        } else {
+            moves.sort_unstable_by(order)
+        }
         Ok(())
     }
 
-    /// The nodes with the largest boxes, but for the root and its children.
-    fn choose_candidates(&self, candidates: &mut Vec<u32>) {
-        candidates.clear();
-        candidates.extend((1..self.links.len() as u32).filter(|&node| self.links[node as usize].parent != 0));
-        let key = |&node: &u32| (std::cmp::Reverse(self.area(node).to_bits()), node);
-        let most = candidates.len().div_ceil(SHARE);
-        if most < candidates.len() {
-            candidates.select_nth_unstable_by_key(most, key);
-            candidates.truncate(most);
-        }
-        candidates.sort_unstable();
+    /// Whether a move gains, and does more than to change places with the sibling.
+    fn is_worth_a_move(&self, step: &Move) -> bool {
+        step.gain > 0.0 && step.to != step.node && step.to != self.sibling(step.node)
     }
 
-    fn area(&self, node: u32) -> f32 {
+    /// The nodes with the largest boxes, but for the root and its children; or all whose parents are visited: what is moved away from there
+    /// need not be visited itself.
+    fn choose_candidates(&self, crowd: Option<&Crowd<'_>>, candidates: &mut Vec<Candidate>, parallel: bool) {
+        let candidate = |node: u32| {
+            let area = std::cmp::Reverse(self.area(node).to_bits());
+            let is_visited = crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
+            (self.parent(node) != 0 && is_visited).then_some((area, node))
+        };
+        let nodes = 1..self.links.len() as u32;
+        candidates.clear();
+        if parallel {
+            candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
+        } else {
+            candidates.extend(nodes.filter_map(candidate));
+        }
+        if crowd.is_some() {
+            return;
+        }
+        let most = candidates.len().div_ceil(SHARE);
+        if most < candidates.len() {
+            candidates.select_nth_unstable(most);
+            candidates.truncate(most);
+        }
+        candidates.sort_unstable_by_key(|&(_, node)| node);
+    }
+
+    /// The lowest node above both ends of a move.
+    pub(crate) fn meeting(&self, step: &Move) -> u32 {
+        let mut above = Vec::with_capacity(DEEPEST as usize);
+        let mut node = step.node;
+        while node != 0 {
+            node = self.parent(node);
+            above.push(node);
+        }
+        let mut top = step.to;
+        while !above.contains(&top) {
+            top = self.parent(top);
+        }
+        top
+    }
+
+    /// Of all nodes but the root, which is its own.
+    pub(crate) fn parent(&self, node: u32) -> u32 {
+        self.links[node as usize].parent
+    }
+
+    /// A node's box.
+    pub(crate) fn extent(&self, node: u32) -> Extent {
+        self.extents[node as usize]
+    }
+
+    /// Half of a node's surface.
+    pub(crate) fn area(&self, node: u32) -> f32 {
         self.extents[node as usize].half_area()
     }
 
@@ -171,7 +284,8 @@ impl Tree {
         both.half_area()
     }
 
-    fn sibling(&self, node: u32) -> u32 {
+    /// The other child of a node's parent.
+    pub(crate) fn sibling(&self, node: u32) -> u32 {
         let [a, b] = self.links[self.links[node as usize].parent as usize].children;
         if a == node { b } else { a }
     }
@@ -241,8 +355,16 @@ impl Tree {
         self.replace_child(above, to, parent);
         self.links[parent as usize].children = [to, node];
         self.links[to as usize].parent = parent;
+        self.extents[parent as usize] = self.union_of_children(parent);
         self.refit(grandparent);
-        self.refit(parent);
+        self.refit(above);
+    }
+
+    fn union_of_children(&self, node: u32) -> Extent {
+        let [left, right] = self.links[node as usize].children;
+        let mut both = self.extents[left as usize];
+        both.grow::<Portable>(&self.extents[right as usize]);
+        both
     }
 
     fn replace_child(&mut self, parent: u32, old: u32, new: u32) {
@@ -254,14 +376,13 @@ impl Tree {
         self.links[new as usize].parent = parent;
     }
 
-    /// Boxes from a node up to the root.
+    /// Boxes from a node up, as far as they change.
     fn refit(&mut self, mut node: u32) {
         loop {
-            let [left, right] = self.links[node as usize].children;
-            let mut both = self.extents[left as usize];
-            both.grow::<Portable>(&self.extents[right as usize]);
+            let (both, old) = (self.union_of_children(node), self.extents[node as usize]);
             self.extents[node as usize] = both;
-            if node == 0 {
+            let is_same = (both.min, both.negated_max) == (old.min, old.negated_max);
+            if node == 0 || is_same {
                 return;
             }
             node = self.links[node as usize].parent;
@@ -281,7 +402,7 @@ impl Tree {
     }
 
     /// As the other stages want it; the leaves keep their ranges.
-    fn in_preorder(&self, old: Vec<BinaryNode>) -> Result<Vec<BinaryNode>> {
+    fn in_preorder(&self, old: &[BinaryNode]) -> Result<Vec<BinaryNode>> {
         let mut nodes: Vec<BinaryNode> = Vec::new();
         reserve(&mut nodes, old.len(), "nodes")?;
         // A node, and the place of the parent whose right child it is.

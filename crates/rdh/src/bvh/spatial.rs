@@ -6,21 +6,15 @@
 //!
 //! A reference is a box that holds the part of a primitive in it; the parts of a primitive together are all of it.
 
-use super::binary::{BinaryNode, DEEPEST, join};
+use super::binary::{BinaryNode, DEEPEST, halvings};
 use super::chop::{Chop, SpatialSplit};
 use super::extent::Extent;
+use super::grown::{Grown, Parts};
 use super::split::{Centres, Search, Split};
 use crate::clip::Clipper;
 use crate::error::Result;
 use crate::mem::reserve;
 use crate::options::Watch;
-
-/// A tree over references, and their ids in the order of its leaves.
-#[derive(Default)]
-pub(crate) struct Grown {
-    pub(crate) nodes: Vec<BinaryNode>,
-    pub(crate) ids: Vec<u32>,
-}
 
 /// Overlaps below this part of the whole structure's area are not worth a cut.
 const LEAST_OVERLAP: f32 = 1e-5;
@@ -37,7 +31,7 @@ pub(crate) fn grow(
 ) -> Result<Grown> {
     let (extent, centres) = search.measure(&references);
     let grower = Grower { clipper, search, watch, least_overlap: extent.half_area() * LEAST_OVERLAP };
-    grower.grow(references, Todo { extent, centres, depth: 0, spare })
+    grower.grow(references, Todo { extent, centres, depth: 0, spare })?.join(search.parallel)
 }
 
 struct Grower<'a, C> {
@@ -60,23 +54,18 @@ type Side = (Vec<Extent>, Todo);
 
 impl<C: Clipper> Grower<'_, C> {
     /// Large subtrees: both sides on their own, then joined.
-    fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Grown> {
+    fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Parts> {
         if references.len() <= OWN_ABOVE {
             let mut grown = Grown::default();
             self.grow_in(&mut grown, references, todo)?;
-            return Ok(grown);
+            return Ok(grown.into());
         }
         self.watch.check_cancelled()?;
         let extent = todo.extent;
         let [(low, todo_low), (high, todo_high)] = self.part(references, todo)?;
         let (left, right) = (|| self.grow(low, todo_low), || self.grow(high, todo_high));
-        let (left, right) = if self.search.parallel { rayon::join(left, right) } else { (left(), right()) };
-        let (left, mut right) = (left?, right?);
-        let mut ids = left.ids;
-        right.nodes.iter_mut().for_each(|node| *node = node.with_later_primitives(ids.len() as u32));
-        reserve(&mut ids, right.ids.len(), "references")?;
-        ids.extend(right.ids);
-        Ok(Grown { nodes: join(extent, left.nodes, right.nodes)?, ids })
+        let (left, right) = self.search.both(left, right);
+        Parts::over(extent, left?, right?)
     }
 
     /// Small subtrees: one thread, one list.
@@ -107,8 +96,7 @@ impl<C: Clipper> Grower<'_, C> {
     fn part(&self, references: Vec<Extent>, todo: Todo) -> Result<[Side; 2]> {
         let n = references.len();
         // Halving from here on must end within the depth that is left.
-        let halvings = n.div_ceil(self.search.leaf).next_power_of_two().trailing_zeros();
-        if todo.depth + halvings + 1 >= DEEPEST {
+        if todo.depth + halvings(n, self.search.leaf) + 1 >= DEEPEST {
             return self.part_in_the_middle(references, &todo);
         }
         let object = self.search.best(&references, &todo.centres);
@@ -135,7 +123,7 @@ impl<C: Clipper> Grower<'_, C> {
         }
         let cost = object.map_or(f32::INFINITY, |split| split.cost);
         let chop = Chop { references, extent: &todo.extent, clipper: self.clipper };
-        self.search.level.run(chop).filter(|split| split.cost < cost && split.added(references.len()) <= todo.spare)
+        chop.best(&self.search).filter(|split| split.cost < cost && split.added(references.len()) <= todo.spare)
     }
 
     fn overlaps(&self, split: &Split) -> bool {

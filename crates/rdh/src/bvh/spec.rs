@@ -9,8 +9,12 @@ pub struct BvhSpec {
     pub width: Width,
     /// How much work goes into the build.
     pub effort: Effort,
-    /// Whether primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
-    pub spatial: bool,
+    /// Where primitives may be parted.
+    pub split: SplitSearch,
+    /// What parts the primitives.
+    pub splitter: Splitter,
+    /// What leaves hold of triangles.
+    pub triangles: Triangles,
 }
 
 /// How many children a node has at most.
@@ -37,6 +41,28 @@ pub enum Effort {
     High,
 }
 
+/// What parts the primitives of the binary tree that wide nodes are made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Splitter {
+    /// Each primitive goes to one side, whole. Recommended.
+    #[default]
+    Objects,
+    /// Primitives are cut where boxes would overlap: slower to build, larger, and faster to trace where triangles are large.
+    Spatial,
+    /// The cells of a kd-tree: primitives are cut at all of its planes. The heuristic chooses these.
+    KdTree,
+}
+
+/// What leaves hold of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Triangles {
+    /// Copies of their corners. Recommended.
+    #[default]
+    Copied,
+    /// The indices of their vertices in the mesh: less memory, slower to trace. For eight children a node.
+    Shared,
+}
+
 impl Width {
     /// The number of children.
     pub(crate) fn children(self) -> u32 {
@@ -46,4 +72,14 @@ impl Width {
             Self::Eight => 8,
         }
     }
+}
+
+/// Where the primitives of a node may be parted, along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum SplitSearch {
+    /// Between bins of their centres: O(N log N), and nearly as good. Recommended.
+    #[default]
+    Binned,
+    /// Between any two of them: O(N log² N). By areas alone: with a ray heuristic only where spatial splits are chosen by areas, too.
+    Sweep,
 }

@@ -4,28 +4,40 @@
 //! as they are run, eight at a time; half of that linearly, since steps of eight would hide most differences.
 
 use super::extent::Extent;
+use super::spec::SplitSearch;
+use super::sweep::{self, Place};
 use crate::simd::{Job, Kernels, Level, Portable};
 
 /// The most bins an axis gets.
 const MAX_BINS: usize = 32;
 
-/// Where primitives are parted: those whose centres lie in bins up to `bin` go left.
+/// Where primitives are parted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Split {
-    pub(crate) grid: Grid,
-    pub(crate) axis: usize,
-    pub(crate) bin: i32,
+    pub(crate) border: Border,
     pub(crate) left: Extent,
     pub(crate) right: Extent,
     /// Half areas times tests, of both sides.
     pub(crate) cost: f32,
 }
 
-impl Split {
+/// What says which primitives go left.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Border {
+    /// Those whose centres lie in bins up to `bin`.
+    Bin { grid: Grid, axis: usize, bin: i32 },
+    /// Those whose places on the axis come up to `last`.
+    Place { axis: usize, last: Place },
+}
+
+impl Border {
     /// Whether a primitive goes left. No closure: those lose the kernel's instruction set.
     #[inline(always)]
     fn has_left<K: Kernels>(&self, primitive: &Extent) -> bool {
-        self.grid.bins_of::<K>(primitive, primitive)[self.axis] <= self.bin
+        match self {
+            Self::Bin { grid, axis, bin } => grid.bins_of::<K>(primitive, primitive)[*axis] <= *bin,
+            Self::Place { axis, last } => Place::of(primitive, *axis).is_up_to(last),
+        }
     }
 }
 
@@ -139,6 +151,8 @@ pub(crate) struct Search {
     pub(crate) level: Level,
     /// Whether large sets are put into bins by several threads.
     pub(crate) parallel: bool,
+    /// Which places are compared.
+    pub(crate) split: SplitSearch,
     /// The most bins an axis gets.
     pub(crate) bins: usize,
     /// A leaf has at most so many primitives, up to [`LANES`](crate::simd::LANES).
@@ -149,8 +163,11 @@ pub(crate) struct Search {
 const CHUNK: usize = 1 << 15;
 
 impl Search {
-    /// The cheapest split, unless all centres coincide. O(n).
+    /// The cheapest split, unless all centres coincide. O(n) by bins, O(n log n) by sweeping.
     pub(crate) fn best(&self, primitives: &[Extent], centres: &Centres) -> Option<Split> {
+        if self.split == SplitSearch::Sweep {
+            return sweep::best(self.level, self.is_shared(primitives), primitives);
+        }
         let grid = Grid::over(centres, primitives.len(), self.bins)?;
         if !self.is_shared(primitives) {
             // At once: most nodes are small, and bins need not be kept.
@@ -195,7 +212,8 @@ impl Search {
             for bin in (0..last).filter(|&bin| low_counts[bin] > 0 && high_counts[bin] > 0) {
                 let cost = left[bin] * subtree(low_counts[bin]) + right[bin] * subtree(high_counts[bin]);
                 if cost < best_cost {
-                    let split = Split { grid, axis, bin: bin as i32, left: lows[bin], right: highs[bin], cost };
+                    let border = Border::Bin { grid, axis, bin: bin as i32 };
+                    let split = Split { border, left: lows[bin], right: highs[bin], cost };
                     (best_cost, best) = (cost, Some(split));
                 }
             }
@@ -203,14 +221,39 @@ impl Search {
         best
     }
 
-    /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place.
+    /// Parts primitives: how many go left, and the boxes of both sides' centres. O(n), in place. Large sets in halves, whatever the
+    /// number of threads: the order of the primitives must not depend on it.
     pub(crate) fn part(&self, primitives: &mut [Extent], split: &Split) -> (usize, [Centres; 2]) {
-        self.level.run(Part { primitives, split })
+        if primitives.len() <= 2 * CHUNK {
+            return self.level.run(Part { primitives, split });
+        }
+        let half = primitives.len() / 2;
+        let (low, high) = primitives.split_at_mut(half);
+        let ((left, [mut a, mut b]), (more, [c, d])) =
+            self.both(|| self.part(&mut low[..], split), || self.part(&mut high[..], split));
+        // What the first half has on the right changes places with what the second half has on the left.
+        let wrong = (half - left).min(more);
+        low[left..left + wrong].swap_with_slice(&mut high[more - wrong..more]);
+        a.grow::<Portable>(&c);
+        b.grow::<Portable>(&d);
+        (left + more, [a, b])
+    }
+
+    /// Does both, at once if several threads build.
+    pub(crate) fn both<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
     /// The box of some primitives, and that of their doubled centres.
     pub(crate) fn measure(&self, primitives: &[Extent]) -> (Extent, Centres) {
-        self.level.run(Measure { primitives })
+        if primitives.len() <= 2 * CHUNK {
+            return self.level.run(Measure { primitives });
+        }
+        let (low, high) = primitives.split_at(primitives.len() / 2);
+        let ((mut extent, mut centres), (a, b)) = self.both(|| self.measure(low), || self.measure(high));
+        extent.grow::<Portable>(&a);
+        centres.grow::<Portable>(&b);
+        (extent, centres)
     }
 }
 
@@ -311,7 +354,8 @@ fn choose<K: Kernels>(bins: &Bins, grid: &Grid) -> Option<Split> {
     for (i, b) in bins.boxes[axis][..=last].iter().enumerate() {
         if i <= bin { &mut left } else { &mut right }.grow::<K>(b);
     }
-    Some(Split { grid: *grid, axis, bin: bin as i32, left, right, cost: best_cost })
+    let border = Border::Bin { grid: *grid, axis, bin: bin as i32 };
+    Some(Split { border, left, right, cost: best_cost })
 }
 
 struct Part<'a> {
@@ -329,11 +373,11 @@ impl Job for Part<'_> {
         let (mut low, mut high) = (0, primitives.len());
         let mut centres = [Centres::EMPTY; 2];
         loop {
-            while low < high && split.has_left::<K>(&primitives[low]) {
+            while low < high && split.border.has_left::<K>(&primitives[low]) {
                 centres[0].grow::<K>(&centre(&primitives[low]));
                 low += 1;
             }
-            while low < high && !split.has_left::<K>(&primitives[high - 1]) {
+            while low < high && !split.border.has_left::<K>(&primitives[high - 1]) {
                 centres[1].grow::<K>(&centre(&primitives[high - 1]));
                 high -= 1;
             }

@@ -6,19 +6,82 @@
 
 use super::Bvh;
 use super::binary::DEEPEST;
+use super::leaves::Leaves;
 use super::link::Link;
 use crate::geom::Ray;
 use crate::leaf::{Collector, Tester};
 use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
-use crate::simd::{Entered, Job, Kernels, guessed};
+use crate::simd::{Block, Boxes, Entered, Job, Kernels, guessed};
 
 /// One ray's way through a tree.
-pub(crate) struct Walk<'a, P, C: Collector, const W: usize> {
-    pub(crate) tree: &'a Bvh<W>,
+pub(crate) struct Walk<'a, P, C: Collector, L, const W: usize> {
+    pub(crate) tree: &'a Bvh<W, L>,
     pub(crate) ray: &'a Ray,
     pub(crate) probe: &'a mut P,
     pub(crate) start: C::Start,
+}
+
+impl<P: Probe, C: Collector, L: Leaves, const W: usize> Job for Walk<'_, P, C, L, W> {
+    /// What was collected.
+    type Output = C::Output;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> C::Output {
+        let Self { tree, ray, probe, start } = self;
+        let collector = C::new(start);
+        let Some(boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector.finish() };
+        let tester = Tester::<K>::new(ray, tree.masks.as_deref());
+        let mut caster = Watertight { boxes, tester, collector };
+        walk::<K, _, _, _, W>(&tree.nodes, &tree.leaves, &mut caster, probe);
+        caster.collector.finish()
+    }
+}
+
+/// A ray that is being cast: what the walk asks of it.
+pub(crate) trait Caster<const W: usize> {
+    /// Whether the likeliest children come first, or the nearest.
+    const ANY: bool;
+
+    /// Which boxes it meets, a bit a lane, and where it enters them.
+    fn meet(&self, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
+
+    /// Where it ends, in the boxes' `t`.
+    fn end(&self) -> f32;
+
+    /// Tests the `wanted` triangles of a block; whether the ray goes on.
+    fn test(&mut self, block: &Block, wanted: u32) -> bool;
+}
+
+/// Whose hits are those of THE triangle test.
+struct Watertight<'a, K: Kernels, C> {
+    boxes: K::BoxRay,
+    tester: Tester<'a, K>,
+    collector: C,
+}
+
+impl<K: Kernels, C: Collector, const W: usize> Caster<W> for Watertight<'_, K, C> {
+    const ANY: bool = C::ANY;
+
+    #[inline(always)]
+    fn meet(&self, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32 {
+        K::meet(&self.boxes, boxes, t)
+    }
+
+    #[inline(always)]
+    fn end(&self) -> f32 {
+        K::end(&self.boxes)
+    }
+
+    #[inline(always)]
+    fn test(&mut self, block: &Block, wanted: u32) -> bool {
+        match self.tester.test(block, wanted, &mut self.collector) {
+            Some(true) => K::end_at(&mut self.boxes, self.tester.t_max()),
+            Some(false) => {}
+            None => return false,
+        }
+        true
+    }
 }
 
 /// A child to be visited, and where the ray enters its box.
@@ -31,56 +94,51 @@ struct Entry {
 /// The most entries that wait: all children but one of each node on the way down, and what was popped last.
 const STACK: usize = 7 * DEEPEST as usize + 8;
 
-impl<P: Probe, C: Collector, const W: usize> Job for Walk<'_, P, C, W> {
-    /// What was collected.
-    type Output = C::Output;
-
-    #[inline(always)]
-    fn run<K: Kernels>(self) -> C::Output {
-        let Self { tree, ray, probe, start } = self;
-        let mut collector = C::new(start);
-        let Some(mut boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector.finish() };
-        let mut tester = Tester::<K>::new(ray, tree.masks.as_deref());
-        let nodes = &tree.nodes[..];
-        let mut slots = Slots::<Entry, STACK>::new();
-        let mut stack = slots.stack();
-        let mut link = Link::node(0);
-        let mut t = Entered([0.0; W]);
-        loop {
-            if !link.is_leaf() {
-                probe.interior();
-                let node = &nodes[link.index()];
-                let met = guessed(K::meet(&boxes, node, &mut t));
-                if met != 0 {
-                    let first = met.trailing_zeros() as usize & (W - 1);
-                    let rest = met & (met - 1);
-                    link = Link(node.links[first]);
-                    if rest == 0 {
-                        continue;
-                    }
-                    if C::ANY {
-                        link = push_all(&mut stack, &node.links, &t, link, rest);
-                    } else {
-                        link = push_in_order(&mut stack, &node.links, &t, Entry { t: t.0[first], link }, rest);
-                    }
+/// Leads a ray through a tree, until it is done or there is nothing more.
+#[inline(always)]
+pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize>(
+    nodes: &[Boxes<W>],
+    leaves: &L,
+    caster: &mut T,
+    probe: &mut P,
+) {
+    let mut slots = Slots::<Entry, STACK>::new();
+    let mut stack = slots.stack();
+    let mut scratch = bytemuck::Zeroable::zeroed();
+    let mut link = Link::node(0);
+    let mut t = Entered([0.0; W]);
+    loop {
+        if !link.is_leaf() {
+            probe.interior();
+            let node = &nodes[link.index()];
+            let met = guessed(caster.meet(node, &mut t));
+            if met != 0 {
+                let first = met.trailing_zeros() as usize & (W - 1);
+                let rest = met & (met - 1);
+                link = Link(node.links[first]);
+                if rest == 0 {
                     continue;
                 }
-            } else {
-                probe.leaf(link.count());
-                match tester.test(&tree.blocks[link.block()], link.lanes(), &mut collector) {
-                    Some(true) => K::end_at(&mut boxes, tester.t_max()),
-                    Some(false) => {}
-                    None => return collector.finish(),
+                if T::ANY {
+                    link = push_all(&mut stack, &node.links, &t, link, rest);
+                } else {
+                    link = push_in_order(&mut stack, &node.links, &t, Entry { t: t.0[first], link }, rest);
                 }
+                continue;
             }
-            link = loop {
-                match stack.pop() {
-                    None => return collector.finish(),
-                    Some(entry) if !C::ANY && entry.t > K::end(&boxes) => {}
-                    Some(entry) => break entry.link,
-                }
-            };
+        } else {
+            probe.leaf(link.count());
+            if !caster.test(leaves.corners::<K>(link.block(), &mut scratch), link.lanes()) {
+                return;
+            }
         }
+        link = loop {
+            match stack.pop() {
+                None => return,
+                Some(entry) if !T::ANY && entry.t > caster.end() => {}
+                Some(entry) => break entry.link,
+            }
+        };
     }
 }
 

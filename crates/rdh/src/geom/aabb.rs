@@ -30,9 +30,14 @@ impl Aabb {
         self
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both, either of which may be empty.
     pub fn union(&self, other: &Self) -> Self {
-        self.with(other.min).with(other.max)
+        let mut out = *self;
+        for a in 0..3 {
+            out.min[a] = self.min[a].min(other.min[a]);
+            out.max[a] = self.max[a].max(other.max[a]);
+        }
+        out
     }
 
     /// What both have in common.

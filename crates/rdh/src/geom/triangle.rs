@@ -168,8 +168,10 @@ pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) ->
 pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> Option<Hit> {
     let p = [shear_point(frame, *a), shear_point(frame, *b), shear_point(frame, *c)];
     let w = edge_functions(&p);
-    let (some_below, some_above) = (w[0] < 0.0 || w[1] < 0.0 || w[2] < 0.0, w[0] > 0.0 || w[1] > 0.0 || w[2] > 0.0);
-    if some_below && some_above {
+    // Without short cuts: which side a triangle shows is as good as random, and a wrong guess costs more than all of it.
+    let (some_below, some_above) =
+        ((w[0] < 0.0) | (w[1] < 0.0) | (w[2] < 0.0), (w[0] > 0.0) | (w[1] > 0.0) | (w[2] > 0.0));
+    if some_below & some_above {
         return None;
     }
     let sum = w[0] + w[1] + w[2];
@@ -180,7 +182,7 @@ pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> 
     // Adding 0 turns -0 into 0, so that equal distances have equal bits.
     let t = (depth / (sum * f64::from(frame.direction_z))) as f32 + 0.0;
     // `t` can leave f32's range; an infinite one is no hit, even for `t_max = inf`.
-    if !(t >= frame.t_min && t <= frame.t_max && t.is_finite()) {
+    if !((t >= frame.t_min) & (t <= frame.t_max) & t.is_finite()) {
         return None;
     }
     let (u, v) = ((w[1] / sum) as f32, (w[2] / sum) as f32);

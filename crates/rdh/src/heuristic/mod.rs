@@ -13,7 +13,7 @@ mod spec;
 
 pub use rdh::Rdh;
 pub use sah::Sah;
-pub use spec::{Blend, HeuristicSpec, RayExtent, RdhSpec};
+pub use spec::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 
 use crate::geom::{Aabb, Axis};
 use crate::rays::Training;
@@ -50,6 +50,11 @@ impl NodeRays {
     /// How many sampled rays are alive.
     pub fn len(&self) -> usize {
         self.spans.len()
+    }
+
+    /// Which of the heuristic's rays.
+    pub(crate) fn rays(&self) -> impl Iterator<Item = u32> {
+        self.spans.iter().map(|span| span.ray)
     }
 
     /// Whether none is.

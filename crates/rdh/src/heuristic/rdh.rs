@@ -7,8 +7,8 @@
 //! the plane counts on both sides. Both are blended with the areas' chances by the number of rays in the node, so that a
 //! node without rays is split as SAH would.
 
-use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span};
-use crate::geom::{Aabb, Axis, Vec3};
+use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span, Stages};
+use crate::geom::{Aabb, Axis, Ray, Vec3};
 use crate::rays::{Query, Training};
 use crate::simd::{Job, Kernels, Level};
 
@@ -18,6 +18,7 @@ pub struct Rdh {
     lines: Vec<Line>,
     blend: Blend,
     cap: usize,
+    stages: Stages,
     level: Level,
 }
 
@@ -31,8 +32,10 @@ struct Line {
     t_start: f32,
     t_end: f32,
     weight: f32,
-    /// Whether it only asked if something is in its way, and ended because something was.
-    stopped: bool,
+    /// Its own end, wherever it hit something.
+    t_far: f32,
+    /// Of a ray that any hit would stop, the mask of triangles that it sees.
+    asks: Option<u32>,
 }
 
 impl Rdh {
@@ -57,15 +60,38 @@ impl Rdh {
                 t_start: (f64::from(s.ray.t_min) * units) as f32,
                 t_end: (f64::from(t_end) * units) as f32,
                 weight: s.weight as f32,
-                stopped: s.query == Query::Occluded && s.t_hit.is_some_and(|t| t <= t_end),
+                t_far: (f64::from(s.ray.t_max) * units) as f32,
+                asks: (s.query == Query::Occluded).then_some(s.ray.mask),
             }
         });
         Self {
             lines: lines.collect(),
             blend: spec.blend,
             cap: spec.cap.unwrap_or(Self::CAP) as usize,
+            stages: spec.stages,
             level: Level::best(),
         }
+    }
+
+    /// What is to be decided by the rays.
+    pub(crate) fn stages(&self) -> Stages {
+        self.stages
+    }
+
+    /// Whether a ray meets a box.
+    pub(crate) fn meets(&self, ray: u32, bounds: &Aabb) -> bool {
+        let line = &self.lines[ray as usize];
+        self.clip(Span { ray, t_in: line.t_start, t_out: line.t_end }, bounds).is_some()
+    }
+
+    /// How many rays a sampled ray stands for.
+    pub(crate) fn weight(&self, ray: u32) -> f32 {
+        self.lines[ray as usize].weight
+    }
+
+    /// The same over a fair part of the rays.
+    pub(crate) fn thinned(&self, most: usize) -> Self {
+        Self { lines: self.lines[..most.min(self.lines.len())].to_vec(), ..*self }
     }
 
     /// The same, counted with other instructions.
@@ -79,19 +105,17 @@ impl Rdh {
         &rays.spans[..if self.cap == 0 { n } else { n.min(self.cap) }]
     }
 
-    /// The weight of a node's rays, and of those among them that were stopped there: a query for any hit found its nearest one in
-    /// the node. Whole rays are stopped nowhere.
-    pub(crate) fn weigh_node(&self, rays: &NodeRays) -> (f32, f32) {
-        let (mut all, mut stopped) = (0.0, 0.0);
-        for span in &rays.spans {
-            let line = &self.lines[span.ray as usize];
-            all += line.weight;
-            // A hit in a face of the node may lie outside by rounding.
-            if line.stopped && span.t_out >= line.t_end * (1.0 - 1e-5) {
-                stopped += line.weight;
-            }
-        }
-        (all, stopped)
+    /// The sampled rays that any hit will stop, in the structure's space, with their weights.
+    pub(crate) fn any_hit_rays(&self) -> impl Iterator<Item = (Ray, f32)> {
+        self.lines.iter().filter_map(|line| {
+            let Line { origin, direction, t_start: t_min, t_far: t_max, .. } = *line;
+            Some((Ray { origin, direction, t_min, t_max, mask: line.asks? }, line.weight))
+        })
+    }
+
+    /// The weight of a node's rays.
+    pub(crate) fn weigh_node(&self, rays: &NodeRays) -> f32 {
+        rays.spans.iter().map(|span| self.lines[span.ray as usize].weight).sum()
     }
 
     /// The chances that a ray in a node visits each of some boxes in it, of which each holds the one before; `chances` comes with those

@@ -22,6 +22,31 @@ pub struct RdhSpec {
     /// Counts at most so many rays in a node (a random sub-sample); 0 counts all.
     /// `None` is what suits the structure: 4,096 in a kd-tree, 256 in a BVH, whose nodes hold more.
     pub cap: Option<u32>,
+    /// What a hierarchy takes from the rays. A kd-tree has none of these stages.
+    pub stages: Stages,
+}
+
+/// What decides each stage of a hierarchy's build: to see what a stage gains, give it back to the areas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Stages {
+    /// Where nodes are split.
+    pub splits: By,
+    /// Which subtrees are moved afterwards, and where to.
+    pub moves: By,
+    /// How the binary tree is cut into wide nodes.
+    pub cuts: By,
+    /// In which order any-hit rays try a node's children.
+    pub order: By,
+}
+
+/// What decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum By {
+    /// The sampled rays, and areas as far as these are few.
+    #[default]
+    Rays,
+    /// Areas alone.
+    Areas,
 }
 
 /// How much of a sampled ray counts.
@@ -56,13 +81,38 @@ impl HeuristicSpec {
     }
 }
 
+impl Stages {
+    /// All of them.
+    pub const BY_RAYS: Self = Self { splits: By::Rays, moves: By::Rays, cuts: By::Rays, order: By::Rays };
+
+    /// Their names in specs, in the order of the build.
+    pub(crate) const NAMES: [&'static str; 4] = ["splits", "moves", "cuts", "order"];
+
+    /// The stage of a name.
+    pub(crate) fn get_mut(&mut self, name: &str) -> Option<&mut By> {
+        match name {
+            "splits" => Some(&mut self.splits),
+            "moves" => Some(&mut self.moves),
+            "cuts" => Some(&mut self.cuts),
+            "order" => Some(&mut self.order),
+            _ => None,
+        }
+    }
+}
+
 impl RdhSpec {
     /// The paper's: whole rays, no cap, its blend.
-    pub const PAPER: Self = Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: Some(0) };
+    pub const PAPER: Self =
+        Self { rays: RayExtent::Whole, blend: Blend::Paper { weight: 0.9 }, cap: Some(0), stages: Stages::BY_RAYS };
 }
 
 impl Default for RdhSpec {
     fn default() -> Self {
-        Self { rays: RayExtent::Clipped, blend: Blend::Confidence { prior: 16.0 }, cap: None }
+        Self {
+            rays: RayExtent::Clipped,
+            blend: Blend::Confidence { prior: 16.0 },
+            cap: None,
+            stages: Stages::default(),
+        }
     }
 }

@@ -1,16 +1,61 @@
 //! The tree while it grows: nodes in the order in which they are finished, children before parents.
 
 use super::node::Node;
+use super::reference::Reference;
 use crate::error::{Error, Result};
 use crate::geom::Axis;
 use crate::mem::reserve;
 
 /// A growing tree, or a part of one.
-#[derive(Debug, Default)]
-pub(crate) struct Branches {
+#[derive(Debug)]
+pub(crate) struct Branches<K = u32> {
     pub(crate) nodes: Vec<Branch>,
-    /// The leaves' primitives.
-    pub(crate) ids: Vec<u32>,
+    /// What is kept of the leaves' references.
+    pub(crate) kept: Vec<K>,
+}
+
+impl<K> Default for Branches<K> {
+    fn default() -> Self {
+        Self { nodes: Vec::new(), kept: Vec::new() }
+    }
+}
+
+/// What a leaf keeps of a reference: a kd-tree the primitive's id, a hierarchy that is made of its cells all of it.
+pub(crate) trait Kept: Copy + Send {
+    fn of(reference: &Reference) -> Self;
+
+    fn id(&self) -> u32;
+
+    /// Two parts of one primitive as one.
+    fn with(self, other: &Self) -> Self;
+}
+
+impl Kept for u32 {
+    fn of(reference: &Reference) -> Self {
+        reference.id
+    }
+
+    fn id(&self) -> u32 {
+        *self
+    }
+
+    fn with(self, _: &Self) -> Self {
+        self
+    }
+}
+
+impl Kept for Reference {
+    fn of(reference: &Reference) -> Self {
+        *reference
+    }
+
+    fn id(&self) -> u32 {
+        self.id
+    }
+
+    fn with(self, other: &Self) -> Self {
+        Self::new(self.id, &self.bounds().union(&other.bounds()))
+    }
 }
 
 /// A node of a growing tree.
@@ -18,7 +63,7 @@ pub(crate) struct Branches {
 pub(crate) enum Branch {
     /// A split, with its two children and the chances to visit them.
     Interior { axis: Axis, plane: f32, children: [u32; 2], chances: [f32; 2] },
-    /// A range of `ids`.
+    /// A range of what is kept.
     Leaf { first: u32, count: u32 },
 }
 
@@ -26,21 +71,21 @@ pub(crate) enum Branch {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mark {
     nodes: usize,
-    ids: usize,
+    kept: usize,
 }
 
-impl Branches {
+impl<K: Kept> Branches<K> {
     pub(crate) fn mark(&self) -> Mark {
-        Mark { nodes: self.nodes.len(), ids: self.ids.len() }
+        Mark { nodes: self.nodes.len(), kept: self.kept.len() }
     }
 
     /// Adds a leaf.
-    pub(crate) fn leaf(&mut self, ids: impl ExactSizeIterator<Item = u32>) -> Result<u32> {
-        let (first, count) = (self.ids.len() as u32, ids.len() as u32);
-        Self::limit("triangles of a leaf", ids.len(), Node::MAX_COUNT as usize)?;
-        Self::limit("references", self.ids.len() + ids.len(), u32::MAX as usize)?;
-        reserve(&mut self.ids, ids.len(), "leaf references")?;
-        self.ids.extend(ids);
+    pub(crate) fn leaf(&mut self, refs: &[Reference]) -> Result<u32> {
+        let (first, count) = (self.kept.len() as u32, refs.len() as u32);
+        Self::limit("triangles of a leaf", refs.len(), Node::MAX_COUNT as usize)?;
+        Self::limit("references", self.kept.len() + refs.len(), u32::MAX as usize)?;
+        reserve(&mut self.kept, refs.len(), "leaf references")?;
+        self.kept.extend(refs.iter().map(K::of));
         self.push(Branch::Leaf { first, count })
     }
 
@@ -57,33 +102,48 @@ impl Branches {
         if count > limit { Err(Error::OverBudget { what, limit }) } else { Ok(()) }
     }
 
-    /// Replaces all nodes since `mark` by one leaf with all their primitives, each once; returns it and their number.
+    /// Replaces all nodes since `mark` by one leaf with all their primitives, the parts of each as one; returns it and their number.
     pub(crate) fn collapse(&mut self, mark: Mark) -> Result<(u32, usize)> {
         self.nodes.truncate(mark.nodes);
-        self.ids[mark.ids..].sort_unstable();
-        let mut kept = mark.ids;
-        for i in mark.ids..self.ids.len() {
-            if i == mark.ids || self.ids[i] != self.ids[i - 1] {
-                self.ids[kept] = self.ids[i];
-                kept += 1;
+        let kept = &mut self.kept[mark.kept..];
+        kept.sort_unstable_by_key(K::id);
+        let mut count = 0;
+        for i in 0..kept.len() {
+            if count > 0 && kept[i].id() == kept[count - 1].id() {
+                kept[count - 1] = kept[count - 1].with(&kept[i]);
+            } else {
+                kept[count] = kept[i];
+                count += 1;
             }
         }
-        self.ids.truncate(kept);
-        let count = kept - mark.ids;
-        let leaf = self.push(Branch::Leaf { first: mark.ids as u32, count: count as u32 })?;
+        self.kept.truncate(mark.kept + count);
+        let leaf = self.push(Branch::Leaf { first: mark.kept as u32, count: count as u32 })?;
         Ok((leaf, count))
+    }
+
+    /// How many nodes there are in each subtree: at its root, the last of them.
+    pub(crate) fn sizes(&self) -> Result<Vec<u32>> {
+        let mut sizes: Vec<u32> = Vec::new();
+        reserve(&mut sizes, self.nodes.len(), "nodes")?;
+        for branch in &self.nodes {
+            sizes.push(match branch {
+                Branch::Leaf { .. } => 1,
+                Branch::Interior { children: [a, b], .. } => 1 + sizes[*a as usize] + sizes[*b as usize],
+            });
+        }
+        Ok(sizes)
     }
 
     /// Adds another part's nodes; returns by how much their indices have grown.
     pub(crate) fn append(&mut self, other: &Self) -> Result<u32> {
         Self::limit("nodes", self.nodes.len() + other.nodes.len(), u32::MAX as usize)?;
-        Self::limit("references", self.ids.len() + other.ids.len(), u32::MAX as usize)?;
-        let (shift, ids) = (self.nodes.len() as u32, self.ids.len() as u32);
+        Self::limit("references", self.kept.len() + other.kept.len(), u32::MAX as usize)?;
+        let (shift, kept) = (self.nodes.len() as u32, self.kept.len() as u32);
         reserve(&mut self.nodes, other.nodes.len(), "nodes")?;
-        reserve(&mut self.ids, other.ids.len(), "leaf references")?;
-        self.ids.extend_from_slice(&other.ids);
+        reserve(&mut self.kept, other.kept.len(), "leaf references")?;
+        self.kept.extend_from_slice(&other.kept);
         self.nodes.extend(other.nodes.iter().map(|&b| match b {
-            Branch::Leaf { first, count } => Branch::Leaf { first: first + ids, count },
+            Branch::Leaf { first, count } => Branch::Leaf { first: first + kept, count },
             Branch::Interior { axis, plane, children, chances } => {
                 Branch::Interior { axis, plane, children: children.map(|c| c + shift), chances }
             }

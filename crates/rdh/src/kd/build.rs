@@ -11,17 +11,19 @@
 //! Invariant: the builder sees boxes, a [`Clipper`] and a [`Heuristic`], never a mesh. The tree depends on nothing else: not on
 //! threads, nor on time.
 
-use super::branch::{Branch, Branches};
+use rayon::prelude::*;
+
+use super::branch::{Branch, Branches, Kept};
 use super::cost::Costs;
 use super::reference::Reference;
 use super::spec::{KdSpec, Prune};
 use super::split::{Search, Split};
 use super::stop::{Failures, StopRule};
-use crate::clip::Clipper;
+use crate::clip::{Clipper, Slice};
 use crate::error::Result;
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Sah, SplitProbability};
-use crate::mem::reserve;
+use crate::mem::{joined, reserve};
 use crate::options::{BuildOptions, Watch};
 use crate::simd::Level;
 
@@ -60,6 +62,8 @@ struct Grown {
 
 /// Subtrees of more references are built by two threads.
 const PARALLEL_ABOVE: usize = 4096;
+/// References that one thread cuts.
+const CHUNK: usize = 1 << 14;
 /// Subtrees of more references are not pruned: no leaf of that size pays.
 const PRUNE_UP_TO: usize = 256;
 
@@ -84,10 +88,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Builds the tree over some references; the root is the last node. `max_refs` is kept.
-    pub(crate) fn build(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches> {
+    pub(crate) fn build<K: Kept>(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches<K>> {
         let rays = self.heuristic.root(&cell);
         let todo = Todo {
-            tight: bounds_of(&refs),
+            tight: refs.iter().fold(Slice::EMPTY, |tight, r| tight.union(r.slice())).bounds(),
             cell,
             rays,
             chance: 1.0,
@@ -99,8 +103,8 @@ impl<'a> Builder<'a> {
     }
 
     /// Large subtrees: both sides in parallel.
-    fn grow(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches, Grown)> {
-        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level);
+    fn grow<K: Kept>(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches<K>, Grown)> {
+        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level, self.parallel);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
@@ -112,11 +116,11 @@ impl<'a> Builder<'a> {
             let leaf = self.leaf(&mut branches, &refs)?;
             return Ok((branches, leaf));
         };
-        let (left, right) = self.partition(&refs, &split)?;
-        let [todo_left, todo_right] = self.children(&todo, &split, failures, (&left, &right));
+        let (left, right, sides) = self.partition(&refs, &split)?;
+        let [todo_left, todo_right] = self.children(&todo, &split, failures, sides);
         drop(refs);
         let (l, r) = rayon::join(|| self.grow(left, todo_left), || self.grow(right, todo_right));
-        let ((mut branches, l), (other, r)) = (l?, r?);
+        let ((mut branches, l), (other, r)): ((Branches<K>, _), (Branches<K>, _)) = (l?, r?);
         let shift = branches.append(&other)?;
         let children = [l, Grown { root: r.root + shift, ..r }];
         let grown = self.join(&mut branches, &todo.cell, &split, children)?;
@@ -124,10 +128,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Small subtrees: one thread, all references on one stack. Those of this node lie from `start` to its top.
-    fn grow_in(
+    fn grow_in<K: Kept>(
         &self,
         search: &mut Search<'_>,
-        branches: &mut Branches,
+        branches: &mut Branches<K>,
         stack: &mut Vec<Reference>,
         start: usize,
         todo: Todo,
@@ -139,12 +143,12 @@ impl<'a> Builder<'a> {
         let Some((split, failures)) = self.choose(search, &stack[start..], &todo) else {
             return self.leaf(branches, &stack[start..]);
         };
-        let parts = self.partition_in(stack, start, &split)?;
-        let sides = (&stack[start..start + parts.left], &stack[parts.right_start..]);
+        let right_start = stack.len();
+        let sides = self.partition_in(stack, start, &split)?;
         let [left, right] = self.children(&todo, &split, failures, sides);
         let mark = branches.mark();
-        let r = self.grow_in(search, branches, stack, parts.right_start, right)?;
-        stack.truncate(start + parts.left);
+        let r = self.grow_in(search, branches, stack, right_start, right)?;
+        stack.truncate(start + sides[0].n);
         let l = self.grow_in(search, branches, stack, start, left)?;
         stack.truncate(start);
         let grown = self.join(branches, &todo.cell, &split, [l, r])?;
@@ -171,21 +175,15 @@ impl<'a> Builder<'a> {
     }
 
     /// What the two sides of a split are to become.
-    fn children(
-        &self,
-        todo: &Todo,
-        split: &Split,
-        failures: Failures,
-        (left, right): (&[Reference], &[Reference]),
-    ) -> [Todo; 2] {
+    fn children(&self, todo: &Todo, split: &Split, failures: Failures, [left, right]: [Side; 2]) -> [Todo; 2] {
         let (cell_left, cell_right) = todo.cell.split(split.axis, split.plane);
         // `choose` has made sure that both sides fit.
-        let spare = todo.budget.saturating_sub(left.len() + right.len());
+        let spare = todo.budget.saturating_sub(left.n + right.n);
         // What is left of the budget goes where the references are; in integers, so that it never depends on threads.
-        let spare_left = (spare as u128 * left.len() as u128 / (left.len() + right.len()).max(1) as u128) as usize;
-        let child = |refs: &[Reference], cell: Aabb, chance: f32, budget: usize| Todo {
+        let spare_left = (spare as u128 * left.n as u128 / (left.n + right.n).max(1) as u128) as usize;
+        let child = |side: Side, cell: Aabb, chance: f32, budget: usize| Todo {
             rays: self.heuristic.descend(&todo.rays, &cell),
-            tight: bounds_of(refs),
+            tight: side.tight,
             cell,
             chance: todo.chance * chance,
             depth: todo.depth + 1,
@@ -193,19 +191,22 @@ impl<'a> Builder<'a> {
             budget,
         };
         let SplitProbability { left: p, right: q } = split.chance;
-        [
-            child(left, cell_left, p, left.len() + spare_left),
-            child(right, cell_right, q, right.len() + spare - spare_left),
-        ]
+        [child(left, cell_left, p, left.n + spare_left), child(right, cell_right, q, right.n + spare - spare_left)]
     }
 
-    fn leaf(&self, branches: &mut Branches, refs: &[Reference]) -> Result<Grown> {
+    fn leaf<K: Kept>(&self, branches: &mut Branches<K>, refs: &[Reference]) -> Result<Grown> {
         self.watch.report(refs.len());
-        Ok(Grown { root: branches.leaf(refs.iter().map(|r| r.id))?, cost: self.costs.leaf(refs.len()) })
+        Ok(Grown { root: branches.leaf(refs)?, cost: self.costs.leaf(refs.len()) })
     }
 
     /// An interior node over two finished children.
-    fn join(&self, branches: &mut Branches, cell: &Aabb, split: &Split, children: [Grown; 2]) -> Result<Grown> {
+    fn join<K: Kept>(
+        &self,
+        branches: &mut Branches<K>,
+        cell: &Aabb,
+        split: &Split,
+        children: [Grown; 2],
+    ) -> Result<Grown> {
         let chance = if self.spec.prune == Prune::Area { area_chance(cell, split) } else { split.chance };
         let cost = self.costs.traverse + chance.left * children[0].cost + chance.right * children[1].cost;
         let chances = [split.chance.left, split.chance.right];
@@ -215,58 +216,99 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Where the two sides of a partition lie on the stack.
-struct Parts {
-    /// The left side's length; it lies where the node's references were.
-    left: usize,
-    /// Where the right side starts; it ends at the top.
-    right_start: usize,
+/// One side of a partition.
+#[derive(Clone, Copy)]
+struct Side {
+    /// How many references.
+    n: usize,
+    /// Their box.
+    tight: Aabb,
+}
+
+impl Side {
+    const NONE: Self = Self { n: 0, tight: Aabb::EMPTY };
+
+    fn with(&self, other: &Self) -> Self {
+        Self { n: self.n + other.n, tight: self.tight.union(&other.tight) }
+    }
+}
+
+/// A side while references come to it.
+struct Gathering {
+    n: usize,
+    tight: Slice,
+}
+
+impl Gathering {
+    const fn new() -> Self {
+        Self { n: 0, tight: Slice::EMPTY }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, r: &Reference) {
+        self.n += 1;
+        self.tight = self.tight.union(r.slice());
+    }
+
+    fn side(&self) -> Side {
+        Side { n: self.n, tight: self.tight.bounds() }
+    }
 }
 
 impl Builder<'_> {
     /// Cuts references in place: the left side stays, the right one goes to the end of the stack. No allocation a node.
-    fn partition_in(&self, stack: &mut Vec<Reference>, start: usize, split: &Split) -> Result<Parts> {
-        let right_start = stack.len();
-        reserve(stack, right_start - start, "references")?;
-        let mut kept = start;
-        for i in start..right_start {
-            let (left, right) = self.cut(stack[i], split);
+    fn partition_in(&self, stack: &mut Vec<Reference>, start: usize, split: &Split) -> Result<[Side; 2]> {
+        let end = stack.len();
+        reserve(stack, end - start, "references")?;
+        let (mut low, mut high) = (Gathering::new(), Gathering::new());
+        for i in start..end {
+            let r = stack[i];
+            let (left, right) = match r.sides(split.axis, split.plane, split.flat_left) {
+                (true, false) => {
+                    stack[start + low.n] = r;
+                    low.add(&r);
+                    continue;
+                }
+                (false, _) => {
+                    stack.push(r);
+                    high.add(&r);
+                    continue;
+                }
+                (true, true) => self.cut_straddler(r, split),
+            };
             if let Some(left) = left {
-                stack[kept] = left;
-                kept += 1;
+                stack[start + low.n] = left;
+                low.add(&left);
             }
             if let Some(right) = right {
                 stack.push(right);
+                high.add(&right);
             }
         }
-        Ok(Parts { left: kept - start, right_start })
+        Ok([low.side(), high.side()])
     }
 
-    /// Cuts references into two new lists.
-    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>)> {
-        let (mut left, mut right) = (Vec::new(), Vec::new());
-        for r in refs {
-            let (l, r) = self.cut(*r, split);
-            for (side, part) in [(&mut left, l), (&mut right, r)] {
-                if let Some(part) = part {
-                    reserve(side, 1, "references")?;
-                    side.push(part);
-                }
-            }
-        }
-        Ok((left, right))
+    /// Cuts references into two new lists: large ones in chunks, one after the other.
+    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>, [Side; 2])> {
+        let cut = |refs: &[Reference]| -> Result<_> {
+            let mut stack = Vec::new();
+            reserve(&mut stack, 2 * refs.len(), "references")?;
+            stack.extend_from_slice(refs);
+            let [left, right] = self.partition_in(&mut stack, 0, split)?;
+            Ok((stack, [left, right]))
+        };
+        let chunks: Result<Vec<(Vec<Reference>, [Side; 2])>> = refs.par_chunks(CHUNK).map(cut).collect();
+        let (stacks, sides): (Vec<_>, Vec<_>) = chunks?.into_iter().unzip();
+        let lefts: Vec<_> = stacks.iter().zip(&sides).map(|(stack, [left, _])| &stack[..left.n]).collect();
+        let rights: Vec<_> =
+            stacks.iter().zip(&sides).map(|(stack, [_, right])| &stack[stack.len() - right.n..]).collect();
+        let both = |k: usize| sides.iter().fold(Side::NONE, |all, sides| all.with(&sides[k]));
+        let left = joined(&lefts, true, "references", |_, r| r)?;
+        let right = joined(&rights, true, "references", |_, r| r)?;
+        Ok((left, right, [both(0), both(1)]))
     }
 
     /// The parts of a reference on both sides of a split; one of them at least.
-    #[inline(always)]
-    fn cut(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
-        match r.sides(split.axis, split.plane, split.flat_left) {
-            (true, false) => (Some(r), None),
-            (false, _) => (None, Some(r)),
-            (true, true) => self.cut_straddler(r, split),
-        }
-    }
-
     fn cut_straddler(&self, r: Reference, split: &Split) -> (Option<Reference>, Option<Reference>) {
         let (left, right) = self.clipper.split(r.id, &r.bounds(), split.axis, split.plane);
         let part = |b: Aabb| (!b.is_empty()).then(|| Reference::new(r.id, &b));
@@ -279,17 +321,6 @@ impl Builder<'_> {
             parts => parts,
         }
     }
-}
-
-fn bounds_of(refs: &[Reference]) -> Aabb {
-    let mut tight = Aabb::EMPTY;
-    for r in refs {
-        for a in 0..3 {
-            tight.min[a] = if r.min[a] < tight.min[a] { r.min[a] } else { tight.min[a] };
-            tight.max[a] = if r.max[a] > tight.max[a] { r.max[a] } else { tight.max[a] };
-        }
-    }
-    tight
 }
 
 /// How many references both sides of a split have together, before clipping drops any.

@@ -131,7 +131,7 @@ impl<'a> Check<'a> {
     /// Sends every triangle down the tree, cut at each plane: where a part arrives, the leaf must have it.
     fn completeness(&mut self) {
         let clipper = TriangleClipper { mesh: self.mesh, scale: self.tree.scale.factor() };
-        let Ok(all) = references(&clipper) else { return self.faults.add(ROOT, "out of memory".to_owned()) };
+        let Ok(all) = references(&clipper, false) else { return self.faults.add(ROOT, "out of memory".to_owned()) };
         for reference in all {
             let corners = clipper.corners(reference.id);
             let mut todo = vec![(self.tree.root, ROOT, reference)];

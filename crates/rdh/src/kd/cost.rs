@@ -46,7 +46,8 @@ impl Costs {
     pub fn child(&self, n: u32) -> f32 {
         match self.leaf {
             LeafWidth::One => self.intersect * n as f32,
-            LeafWidth::Eight => self.intersect * 0.5 * (n.div_ceil(8) as f32 + n as f32 * 0.125),
+            // Signed, since that is what vectors convert; a node has fewer than 2³¹ references.
+            LeafWidth::Eight => self.intersect * 0.5 * (((n + 7) >> 3) as i32 as f32 + n as i32 as f32 * 0.125),
         }
     }
 

@@ -3,11 +3,13 @@
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
 //! `layout` packs them; `trace` walks them; `check` proves them.
 
-mod branch;
+mod bins;
+pub(crate) mod branch;
 mod build;
 mod check;
 mod cost;
 mod events;
+mod few;
 mod layout;
 mod node;
 mod radix;
@@ -15,7 +17,7 @@ mod reference;
 mod shown;
 mod spec;
 mod split;
-mod stop;
+pub(crate) mod stop;
 mod trace;
 
 pub use cost::Costs;
@@ -25,15 +27,16 @@ pub use reference::Reference;
 pub use shown::Shown;
 pub use spec::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
+use branch::{Branches, Kept};
 use build::Builder;
-use layout::{Arrays, Line};
+use layout::{Arrays, Draft, Line};
 
 use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
-use crate::geom::{Aabb, Hit, Ray, Scale};
+use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::heuristic::Heuristic;
 use crate::leaf;
-use crate::mem::{Array, reserve};
+use crate::mem::Array;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Part, Parts, Place, Written};
@@ -67,12 +70,11 @@ impl KdTree {
         let in_mesh = mesh.bounds();
         let scale = Scale::of(&in_mesh);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
-        let refs = references(&clipper)?;
-        let max_refs = max_refs(mesh.len(), options)?;
-        let builder = Builder::new(&clipper, heuristic, *spec, mesh.len(), options);
-        let branches = builder.build(refs, scale.scaled(&in_mesh), max_refs)?;
+        let parallel = options.threads != Some(1);
+        let bounds = scale.scaled(&in_mesh);
+        let branches = grow(&clipper, bounds, spec, heuristic, max_refs(mesh.len(), options)?, options)?;
         let root = branches.nodes.len() as u32 - 1;
-        let arrays = layout::lay_out(&branches, root, |id| mesh.corners(crate::geom::TriId(id)))?;
+        let arrays = Draft { branches: &branches, corners: |id| mesh.corners(TriId(id)), parallel }.lay_out(root)?;
         let Arrays { root, lines, blocks, tally } = arrays;
         let tree = Self {
             root,
@@ -189,13 +191,22 @@ impl KdTree {
     }
 }
 
+/// Grows the branches over a mesh's triangles within `bounds`, with at most so many references; the root is the last one.
+pub(crate) fn grow<K: Kept>(
+    clipper: &TriangleClipper<'_>,
+    bounds: Aabb,
+    spec: &KdSpec,
+    heuristic: &dyn Heuristic,
+    max_refs: usize,
+    options: &BuildOptions<'_>,
+) -> Result<Branches<K>> {
+    let refs = references(clipper, options.threads != Some(1))?;
+    Builder::new(clipper, heuristic, *spec, clipper.mesh.len(), options).build(refs, bounds, max_refs)
+}
+
 /// A reference to every triangle, whole.
-fn references(clipper: &TriangleClipper<'_>) -> Result<Vec<Reference>> {
-    let n = clipper.mesh.len();
-    let mut refs = Vec::new();
-    reserve(&mut refs, n, "references")?;
-    refs.extend(clipper.mesh.solid().map(|tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0)))));
-    Ok(refs)
+fn references(clipper: &TriangleClipper<'_>, parallel: bool) -> Result<Vec<Reference>> {
+    clipper.mesh.of_solid(parallel, |tri| Reference::new(tri.0, &Aabb::around(&clipper.corners(tri.0))))
 }
 
 /// How many references the budgets allow.

@@ -57,6 +57,13 @@ impl Node {
         Self { data: lane << 28 | count, link: block << 2 | 3 }
     }
 
+    /// The same node where so many pairs and blocks come before those of its own part.
+    #[inline(always)]
+    pub(crate) fn after(self, pairs: u32, blocks: u32) -> Self {
+        let more = if self.axis_index() == 3 { blocks } else { pairs };
+        Self { link: self.link + (more << 2), ..self }
+    }
+
     /// The axis of an interior node as an index, or 3 for a leaf.
     #[inline(always)]
     pub(crate) fn axis_index(self) -> usize {

@@ -1,12 +1,13 @@
 //! The search for a node's best split: every candidate plane of an axis in one sweep.
 
 use super::cost::Costs;
-use super::events::{Candidates, Events, FEW};
+use super::events::{Candidates, Events};
+use super::few::FEW;
 use super::reference::Reference;
 use super::spec::SplitSearch;
 use crate::geom::{Aabb, Axis};
 use crate::heuristic::{Heuristic, NodeRays, SplitProbability};
-use crate::simd::{Job, Kernels, Level};
+use crate::simd::{Job, Kernels, LANES, Level};
 
 /// A split, and what it is expected to cost.
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +47,22 @@ enum How {
 const EXACT_UP_TO: usize = 32;
 
 impl<'a> Search<'a> {
-    pub(crate) fn new(heuristic: &'a dyn Heuristic, costs: Costs, search: SplitSearch, level: Level) -> Self {
-        Self { heuristic, costs, search, level, events: Events::new(level), left: Vec::new(), right: Vec::new() }
+    pub(crate) fn new(
+        heuristic: &'a dyn Heuristic,
+        costs: Costs,
+        search: SplitSearch,
+        level: Level,
+        parallel: bool,
+    ) -> Self {
+        Self {
+            heuristic,
+            costs,
+            search,
+            level,
+            events: Events::new(level, parallel),
+            left: Vec::new(),
+            right: Vec::new(),
+        }
     }
 
     fn how(&self, n: usize) -> How {
@@ -75,7 +90,7 @@ impl<'a> Search<'a> {
         let mut best: Option<Split> = None;
         for axis in Axis::ALL {
             match how {
-                How::Few => self.events.sweep_few(axis, cell, n),
+                How::Few => self.events.sweep_few(axis, cell),
                 How::Binned => self.events.sweep_bins(axis, cell, tight, n),
                 How::Sorted => self.events.sweep_sorted(refs, axis, cell),
             }
@@ -135,27 +150,32 @@ struct Cheapest<'a> {
 impl Job for Cheapest<'_> {
     type Output = Option<(usize, f32)>;
 
+    /// Lane by lane, so that nothing waits for the last comparison; then the cheapest of the lanes.
     #[inline(always)]
     fn run<K: Kernels>(self) -> Option<(usize, f32)> {
         let m = self.candidates.planes.len();
         let (left, right) = (&self.candidates.left[..m], &self.candidates.right[..m]);
         let (chance_left, chance_right) = (&self.chances.0[..m], &self.chances.1[..m]);
-        let mut best = (0, f32::INFINITY);
-        let mut block = [0.0f32; 32];
-        for start in (0..m).step_by(block.len()) {
-            let end = m.min(start + block.len());
-            // Costs first, in lanes; the comparison is a loop of its own.
-            for (slot, i) in block.iter_mut().zip(start..end) {
+        let (mut costs, mut places) = ([f32::INFINITY; LANES], [0u32; LANES]);
+        for start in (0..m / LANES * LANES).step_by(LANES) {
+            let end = start + LANES;
+            let (left, right) = (&left[start..end], &right[start..end]);
+            let (chance_left, chance_right) = (&chance_left[start..end], &chance_right[start..end]);
+            for i in 0..LANES {
                 let chance = SplitProbability { left: chance_left[i], right: chance_right[i] };
-                let useless = left[i] >= self.n && right[i] >= self.n;
-                *slot = if useless { f32::INFINITY } else { self.costs.split(chance, left[i], right[i]) };
-            }
-            for (k, &cost) in block[..end - start].iter().enumerate() {
-                if cost < best.1 {
-                    best = (start + k, cost);
-                }
+                let cost = self.costs.split(chance, left[i], right[i]);
+                let separates = left[i] < self.n || right[i] < self.n;
+                let is_better = separates && cost < costs[i];
+                costs[i] = if is_better { cost } else { costs[i] };
+                places[i] = if is_better { (start + i) as u32 } else { places[i] };
             }
         }
-        (best.1 < f32::INFINITY).then_some(best)
+        let (mut best, mut least) = (u32::MAX, f32::INFINITY);
+        for (&cost, &place) in costs.iter().zip(&places) {
+            if cost < least || (cost == least && place < best) {
+                (least, best) = (cost, place);
+            }
+        }
+        (least < f32::INFINITY).then_some((best as usize, least))
     }
 }

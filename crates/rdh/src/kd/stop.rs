@@ -27,16 +27,13 @@ impl StopRule {
 
     /// The rule for `n` triangles.
     pub(crate) fn new(spec: &KdSpec, n: usize, max_depth: Option<usize>) -> Self {
-        let log2 = |x: usize| f64::from(x.max(1).ilog2());
-        let (default_depth, max_failures) = match spec.stop {
-            Stop::Cost => (8.0 + 1.3 * log2(n), 0),
-            Stop::Auto => (8.0 + 1.3 * log2(n), 1),
-            Stop::Paper => {
-                let depth = 1.2 * log2(n) + 2.0;
-                (depth, (1.0 + 0.2 * depth) as u32)
-            }
+        let usual_depth = usual_depth(spec.stop, n);
+        let max_failures = match spec.stop {
+            Stop::Cost => 0,
+            Stop::Auto => 1,
+            Stop::Paper => (1.0 + 0.2 * usual_depth) as u32,
         };
-        let max_depth = max_depth.map_or(default_depth as u32, |d| d.min(64) as u32).min(Self::DEEPEST);
+        let max_depth = max_depth.map_or(usual_depth as u32, |d| d.min(64) as u32).min(Self::DEEPEST);
         Self { stop: spec.stop, max_depth, max_failures, idle: spec.idle }
     }
 
@@ -58,5 +55,14 @@ impl StopRule {
         // Looking ahead is for nodes in which more than one split is left to come.
         let hopeless = self.stop == Stop::Auto && !pays && costs.is_one_test(n);
         (failures <= self.max_failures && !hopeless).then_some(failures)
+    }
+}
+
+/// How deep a tree over `n` triangles gets, unless told otherwise.
+pub(crate) fn usual_depth(stop: Stop, n: usize) -> f64 {
+    let log2 = f64::from(n.max(1).ilog2());
+    match stop {
+        Stop::Cost | Stop::Auto => 8.0 + 1.3 * log2,
+        Stop::Paper => 1.2 * log2 + 2.0,
     }
 }

@@ -1,17 +1,44 @@
 //! Arrays that are finished: as large as needed, and on large pages where the system has them to give.
 
+use std::mem::MaybeUninit;
+
+use rayon::prelude::*;
+
 use super::Plain;
 use crate::error::{Error, Result};
 
-/// A copy without spare room, of an array that will be read in no order: incoherent rays through large trees are up to 7 % faster
-/// for large pages.
-pub(crate) fn settled<T: Copy>(vec: &[T], what: &'static str) -> Result<Vec<T>> {
-    let mut copy = room(vec.len(), what)?;
-    copy.extend_from_slice(vec);
-    Ok(copy)
+/// Lists one after the other without spare room, for an array that will be read in no order: incoherent rays through large trees
+/// are up to 7 % faster for large pages. Each element is changed as the number of its list says.
+pub(crate) fn joined<T: Copy + Send + Sync>(
+    lists: &[&[T]],
+    parallel: bool,
+    what: &'static str,
+    change: impl Fn(usize, T) -> T + Sync,
+) -> Result<Vec<T>> {
+    let len = lists.iter().map(|list| list.len()).sum();
+    let mut joined: Vec<T> = room(len, what)?;
+    let (mut pieces, mut rest) = (Vec::with_capacity(lists.len()), &mut joined.spare_capacity_mut()[..len]);
+    for (i, list) in lists.iter().enumerate() {
+        let (piece, after) = rest.split_at_mut(list.len());
+        rest = after;
+        pieces.push((i, *list, piece));
+    }
+    let copy = |(i, list, piece): (usize, &[T], &mut [MaybeUninit<T>])| {
+        for (slot, &element) in piece.iter_mut().zip(list) {
+            slot.write(change(i, element));
+        }
+    };
+    if parallel {
+        pieces.into_par_iter().for_each(copy)
+    } else {
+        pieces.into_iter().for_each(copy)
+    }
+    // SAFETY: the pieces are `len` slots together; each is as long as its list, and has been written.
+    unsafe { joined.set_len(len) };
+    Ok(joined)
 }
 
-/// The same of whole elements that are given as bytes, wherever they lie.
+/// A copy without spare room, of whole elements that are given as bytes, wherever they lie.
 pub(crate) fn settled_bytes<T: Plain>(bytes: &[u8], what: &'static str) -> Result<Vec<T>> {
     let len = bytes.len() / size_of::<T>();
     let mut copy: Vec<T> = room(len, what)?;
@@ -65,7 +92,10 @@ mod tests {
     fn copies_are_equal_and_without_spare_room() {
         for len in [0, 1, 1000, 3_000_000] {
             let vec: Vec<u32> = (0..len).collect();
-            let copy = settled(&vec, "numbers").unwrap();
+            let (low, high) = vec.split_at(vec.len() / 3);
+            let copy =
+                joined(&[low, &[], high], len > 1, "numbers", |list, x| if list == 2 { x + 1 } else { x }).unwrap();
+            let vec: Vec<u32> = low.iter().copied().chain(high.iter().map(|x| x + 1)).collect();
             assert_eq!((copy.len(), copy.capacity()), (vec.len(), vec.len()));
             assert!(copy == vec);
             assert!(settled_bytes::<u32>(bytemuck::cast_slice(&vec), "numbers").unwrap() == vec);

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!    0  magic "RDH-TREE"
-//!    8  u32 version, u32 layout: 1 a kd-tree; 2, 4, 8 a bounding volume hierarchy of this width
+//!    8  u32 version, u32 layout: 1 a kd-tree; 2, 4, 8 a bounding volume hierarchy of this width; 256 more if its
+//!       leaves index the mesh's vertices
 //!   16  u64 xxh3 checksum of all that follows
 //!   24  u64 length of the file
 //!   32  u64 xxh3 checksum of the mesh
@@ -30,10 +31,13 @@ pub use read::read_mesh;
 use description::Description;
 
 use crate::accel::Accel;
+use crate::bvh::Triangles;
 use crate::error::{Error, Result};
 use crate::parts::{Part, Written};
 use crate::spec::{Spec, StructureSpec};
 
+/// A bit of the layout.
+const SHARED: u32 = 256;
 const MAGIC: &[u8; 8] = b"RDH-TREE";
 const VERSION: u32 = 1;
 /// Where the checksummed part begins.
@@ -53,7 +57,10 @@ fn layout(spec: &Spec) -> u32 {
         // Nothing that is built, and no file.
         StructureSpec::Auto => 0,
         StructureSpec::Kd(_) => 1,
-        StructureSpec::Bvh(bvh) => bvh.width.children(),
+        StructureSpec::Bvh(bvh) => match bvh.triangles {
+            Triangles::Copied => bvh.width.children(),
+            Triangles::Shared => bvh.width.children() | SHARED,
+        },
     }
 }
 

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::portable::Portable;
-use super::{Block, Boxes, Entered, Job, Kernels, LANES, Sifted};
+use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
 use crate::geom::{Depths, Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX2.
@@ -39,6 +39,10 @@ pub(super) struct Limits {
     pub(super) farthest: __m256,
     pub(super) surely_from: __m256,
     pub(super) surely_to: __m256,
+    /// That of the first two which lies before the ray's start, …
+    pub(super) start: __m256,
+    /// … and the sign of the direction from there.
+    ahead: __m256,
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter` and in `avx512.rs`, whose `enter` asks for AVX2 as well; callers of
@@ -73,7 +77,15 @@ impl Kernels for Avx2 {
                 _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
                 _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
             );
-            let possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            let mut possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
+            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
+            let start = frame.limits.start;
+            let both_sides =
+                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(first, start), _mm256_cmp_ps::<_CMP_GT_OQ>(last, start));
+            if CERTAIN || _mm256_movemask_ps(both_sides) as u32 & wanted != 0 {
+                let before = _mm256_cmp_ps::<_CMP_LT_OQ>(spans.before_start(frame), zero);
+                possible &= !(_mm256_movemask_ps(before) as u32);
+            }
             if !CERTAIN {
                 return Sifted { possible, certain: 0 };
             }
@@ -103,6 +115,18 @@ impl Kernels for Avx2 {
                 [*x.add(2 * NEXT), *y.add(2 * NEXT), *z.add(2 * NEXT)],
             ]
         }
+    }
+
+    #[inline(always)]
+    fn gather(points: &[Vec3], indices: &Indices, block: &mut Block) {
+        if !can_gather(points, indices) {
+            return gather_plainly(points, indices, block);
+        }
+        for (corner, vertices) in block.corners.iter_mut().zip(&indices.corners) {
+            // SAFETY: see above; no vertex is the last one, nor beyond it.
+            unsafe { gather_corner(points, vertices, corner) };
+        }
+        block.ids = indices.ids;
     }
 
     #[inline(always)]
@@ -259,7 +283,10 @@ fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
         let slack = _mm256_mul_ps(size, _mm256_set1_ps(Depths::SLACK));
         let ends = _mm256_addsub_ps(ends, _mm256_add_ps(slack, _mm256_set1_ps(f32::MIN_POSITIVE)));
         let [nearest, surely_from, surely_to] = spread_axes(ends);
-        Limits { nearest, farthest: _mm256_permute_ps::<0b11_11_11_11>(ends), surely_from, surely_to }
+        let farthest = _mm256_permute_ps::<0b11_11_11_11>(ends);
+        let start = _mm256_blendv_ps(nearest, farthest, direction_z);
+        let ahead = _mm256_and_ps(_mm256_set1_ps(-0.0), direction_z);
+        Limits { nearest, farthest, surely_from, surely_to, start, ahead }
     }
 }
 
@@ -291,6 +318,7 @@ pub(super) fn spread_axes(v: __m256) -> [__m256; 3] {
 /// What sifting asks of eight triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Spans {
+    points: [(__m256, __m256, __m256); 3],
     edges: [__m256; 3],
     /// The smallest and the largest of the edge functions.
     pub(super) least: __m256,
@@ -308,6 +336,30 @@ impl Spans {
         // SAFETY: as in `Avx2`.
         unsafe { _mm256_add_ps(_mm256_add_ps(u, v), w) }
     }
+
+    /// Negative where a triangle whose corners lie on both sides of the start is surely crossed before it: the mean of the
+    /// corners' depths, less the start and more than all roundings (docs/watertight.md, section 7). Elsewhere, if all lie behind the
+    /// start, not negative, and not a number where something overflows.
+    #[inline(always)]
+    pub(super) fn before_start(&self, frame: &Frame) -> __m256 {
+        let ([u, v, w], [p0, p1, p2], Limits { start, ahead, .. }) = (self.edges, self.points, frame.limits);
+        // SAFETY: as in `Avx2`.
+        unsafe {
+            let mean = _mm256_mul_ps(u, _mm256_sub_ps(p0.2, start));
+            let mean = _mm256_fmadd_ps(v, _mm256_sub_ps(p1.2, start), mean);
+            let mean = _mm256_fmadd_ps(w, _mm256_sub_ps(p2.2, start), mean);
+            let x = _mm256_fmadd_ps(p0.0, p0.0, _mm256_fmadd_ps(p1.0, p1.0, _mm256_mul_ps(p2.0, p2.0)));
+            let y = _mm256_fmadd_ps(p0.1, p0.1, _mm256_fmadd_ps(p1.1, p1.1, _mm256_mul_ps(p2.1, p2.1)));
+            // Doubled, so that it overflows before the mean does.
+            let most =
+                _mm256_fmadd_ps(_mm256_add_ps(x, y), _mm256_set1_ps(2.0), _mm256_set1_ps(4.0 * f32::MIN_POSITIVE));
+            let most = _mm256_mul_ps(most, _mm256_sub_ps(self.last, self.first));
+            let (roundings, least) = (_mm256_set1_ps(1.0 / (1 << 22) as f32), _mm256_set1_ps(f32::MIN_POSITIVE));
+            let sum = _mm256_and_ps(_mm256_set1_ps(-0.0), _mm256_add_ps(self.least, self.most));
+            let mean = _mm256_xor_ps(mean, _mm256_xor_ps(sum, ahead));
+            _mm256_add_ps(mean, _mm256_fmadd_ps(most, roundings, least))
+        }
+    }
 }
 
 #[inline(always)]
@@ -318,6 +370,7 @@ pub(super) fn spans(frame: &Frame, block: &Block) -> Spans {
     // SAFETY: as in `Avx2`.
     unsafe {
         Spans {
+            points: [p0, p1, p2],
             edges: [u, v, w],
             least: _mm256_min_ps(_mm256_min_ps(u, v), w),
             most: _mm256_max_ps(_mm256_max_ps(u, v), w),
@@ -360,4 +413,53 @@ fn count<const COMPARISON: i32>(values: &[f32], planes: &[f32], counts: &mut [u3
             _mm256_storeu_si256(counts.as_mut_ptr().cast(), sum);
         }
     }
+}
+
+/// Whether all vertices come before the last one: then four floats can be read at each.
+#[inline(always)]
+fn can_gather(points: &[Vec3], indices: &Indices) -> bool {
+    let Some(last) = points.len().checked_sub(2).and_then(|last| u32::try_from(last).ok()) else { return false };
+    let [a, b, c] = &indices.corners;
+    // SAFETY: as in `Avx2`; each row has eight numbers.
+    unsafe {
+        let (a, b) = (_mm256_loadu_si256(a.as_ptr().cast()), _mm256_loadu_si256(b.as_ptr().cast()));
+        let most = _mm256_max_epu32(_mm256_max_epu32(a, b), _mm256_loadu_si256(c.as_ptr().cast()));
+        let last = _mm256_set1_epi32(last as i32);
+        _mm256_movemask_epi8(_mm256_cmpeq_epi32(_mm256_max_epu32(most, last), last)) == -1
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn gather_plainly(points: &[Vec3], indices: &Indices, block: &mut Block) {
+    indices.copy_to(points, block);
+}
+
+/// Eight vertices, coordinate by coordinate.
+///
+/// # Safety
+/// As in `Avx2`; behind each vertex there is another one.
+#[inline(always)]
+unsafe fn gather_corner(points: &[Vec3], vertices: &[u32; LANES], corner: &mut [[f32; LANES]; 3]) {
+    let p = points.as_ptr().cast::<f32>();
+    // SAFETY: see above: four floats can be read at each vertex; a corner has three rows of eight.
+    unsafe {
+        let (a, b) = (pair(p, vertices[0], vertices[4]), pair(p, vertices[1], vertices[5]));
+        let (c, d) = (pair(p, vertices[2], vertices[6]), pair(p, vertices[3], vertices[7]));
+        let (low_ab, low_cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (high_ab, high_cd) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        _mm256_storeu_ps(corner[0].as_mut_ptr(), _mm256_shuffle_ps::<0b01_00_01_00>(low_ab, low_cd));
+        _mm256_storeu_ps(corner[1].as_mut_ptr(), _mm256_shuffle_ps::<0b11_10_11_10>(low_ab, low_cd));
+        _mm256_storeu_ps(corner[2].as_mut_ptr(), _mm256_shuffle_ps::<0b01_00_01_00>(high_ab, high_cd));
+    }
+}
+
+/// Two vertices in the halves of a register, each with what lies behind it.
+///
+/// # Safety
+/// As in `gather_corner`.
+#[inline(always)]
+unsafe fn pair(p: *const f32, low: u32, high: u32) -> __m256 {
+    // SAFETY: see above.
+    unsafe { _mm256_loadu2_m128(p.add(3 * high as usize), p.add(3 * low as usize)) }
 }

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::avx2::{Avx2, Frame, Spans, spans};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
-use super::{Block, Boxes, Entered, Job, Kernels, Sifted};
+use super::{Block, Boxes, Entered, Indices, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX-512.
@@ -23,6 +23,9 @@ pub(super) struct Avx512;
 // SAFETY, for every block below: `Avx512` is named only in `enter`, whose caller has made sure of the instructions; loads and
 // stores lie within the references they are made from, and are unaligned ones but where the block says otherwise.
 impl Kernels for Avx512 {
+    #[cfg(feature = "twin")]
+    const MASKS: bool = true;
+
     type Frame = Frame;
     type BoxRay = WideRay;
 
@@ -47,8 +50,14 @@ impl Kernels for Avx512 {
             // A hit's depth lies between those of the corners. What is not a number says nothing.
             let within = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(wanted, last, frame.limits.nearest);
             let within = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, first, frame.limits.farthest);
-            let possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
+            let mut possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
                 | _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, most, zero);
+            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
+            let start = frame.limits.start;
+            let both_sides = _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(wanted, first, start);
+            if CERTAIN || _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(both_sides, last, start) != 0 {
+                possible &= _mm256_cmp_ps_mask::<_CMP_NLT_UQ>(spans.before_start(frame), zero);
+            }
             if !CERTAIN {
                 return Sifted { possible: u32::from(possible), certain: 0 };
             }
@@ -65,6 +74,11 @@ impl Kernels for Avx512 {
     #[inline(always)]
     fn corners(ray: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
         Avx2::corners(ray, frame, block, lane)
+    }
+
+    #[inline(always)]
+    fn gather(points: &[Vec3], indices: &Indices, block: &mut Block) {
+        Avx2::gather(points, indices, block);
     }
 
     #[inline(always)]

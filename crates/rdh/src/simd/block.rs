@@ -1,9 +1,23 @@
 //! Eight triangles side by side, as leaves hold them.
 
-use crate::geom::Vec3;
+use crate::geom::{TriId, Vec3};
+use crate::mem::Plain;
+use crate::mesh::Mesh;
 
 /// Triangles in a block.
 pub(crate) const LANES: usize = 8;
+
+/// Eight triangles of a mesh, in any form that leaves hold.
+pub(crate) trait Lanes: Plain + bytemuck::Zeroable {
+    /// Writes a triangle into a lane.
+    fn put(&mut self, lane: usize, id: u32, mesh: &Mesh);
+
+    /// The triangles' ids.
+    fn ids(&self) -> &[u32; LANES];
+
+    /// Whether a lane says of a triangle what the mesh says.
+    fn is_faithful(&self, lane: usize, tri: TriId, mesh: &Mesh) -> bool;
+}
 
 /// The corners of eight triangles, lane by lane, and their ids: five cache lines.
 ///
@@ -48,5 +62,21 @@ impl Block {
             [c[1][0][lane], c[1][1][lane], c[1][2][lane]],
             [c[2][0][lane], c[2][1][lane], c[2][2][lane]],
         ]
+    }
+}
+
+impl Lanes for Block {
+    fn put(&mut self, lane: usize, id: u32, mesh: &Mesh) {
+        self.set(lane, &mesh.corners(TriId(id)), id);
+    }
+
+    fn ids(&self) -> &[u32; LANES] {
+        &self.ids
+    }
+
+    /// Bit for bit.
+    fn is_faithful(&self, lane: usize, tri: TriId, mesh: &Mesh) -> bool {
+        let bits = |corners: [Vec3; 3]| corners.map(|c| c.map(f32::to_bits));
+        bits(self.corners(lane)) == bits(mesh.corners(tri))
     }
 }

@@ -102,10 +102,16 @@ impl BoxRay {
         (self.inverse[axis].to_bits() >> 31) as usize
     }
 
-    /// Where a ray ends that hits something at `t`, a number, in its own units: a step behind, so that what begins there is seen.
+    /// Where a ray ends that hits something at `t`, a number, in its own units. What begins there is still met.
     #[inline(always)]
     pub(crate) fn end_for(t: f32, t_scale: f64) -> f32 {
-        let t = if t_scale == 1.0 { t } else { (f64::from(t) * t_scale) as f32 };
-        t.next_up()
+        // Not selected: that would make all that waits for the end wait for both.
+        #[cold]
+        #[inline(never)]
+        fn scaled(t: f32, t_scale: f64) -> f32 {
+            // A step behind: it may have been rounded.
+            ((f64::from(t) * t_scale) as f32).next_up()
+        }
+        if t_scale == 1.0 { t } else { scaled(t, t_scale) }
     }
 }

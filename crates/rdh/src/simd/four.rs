@@ -90,6 +90,20 @@ impl Four {
 }
 
 impl Four {
+    /// Larger than all numbers.
+    pub(crate) const INFINITY: Self = Self::of([f32::INFINITY; 4]);
+    /// Smaller than all numbers.
+    pub(crate) const NEG_INFINITY: Self = Self::of([f32::NEG_INFINITY; 4]);
+
+    /// A constant.
+    const fn of(lanes: [f32; 4]) -> Self {
+        // SAFETY: both are four floats, whatever they are.
+        #[cfg(target_arch = "x86_64")]
+        return Self(unsafe { std::mem::transmute::<[f32; 4], __m128>(lanes) });
+        #[cfg(not(target_arch = "x86_64"))]
+        Self(lanes)
+    }
+
     /// The same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(x: f32) -> Self {

@@ -19,14 +19,20 @@ mod block;
 mod boxes;
 mod four;
 mod guess;
+mod indices;
+#[cfg(all(feature = "twin", target_arch = "x86_64"))]
+mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
 
-pub(crate) use block::{Block, LANES};
+pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use four::Four;
 pub(crate) use guess::guessed;
+pub(crate) use indices::Indices;
+#[cfg(all(feature = "twin", target_arch = "x86_64"))]
+pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
@@ -137,6 +143,10 @@ pub(crate) struct Entered<const W: usize>(pub(crate) [f32; W]);
 
 /// What an instruction set must offer. Implementations are `#[inline(always)]`.
 pub(crate) trait Kernels: Copy {
+    /// Whether comparisons give masks.
+    #[cfg(all(feature = "twin", target_arch = "x86_64"))]
+    const MASKS: bool = false;
+
     /// A ray's frame, spread over the lanes.
     type Frame: Copy;
 
@@ -151,6 +161,15 @@ pub(crate) trait Kernels: Copy {
 
     /// The corners of the triangle in a lane of a block, along the frame's axes.
     fn corners(ray: &RayFrame, frame: &Self::Frame, block: &Block, lane: usize) -> [Vec3; 3];
+
+    /// Copies eight triangles out of a mesh's vertices.
+    ///
+    /// # Panics
+    /// If a vertex is out of range.
+    #[inline(always)]
+    fn gather(points: &[Vec3], indices: &Indices, block: &mut Block) {
+        indices.copy_to(points, block);
+    }
 
     /// A ray, spread over the lanes of boxes.
     type BoxRay: Copy;
@@ -187,7 +206,7 @@ pub(crate) trait Kernels: Copy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::Aabb;
+    use crate::geom::{Aabb, TriId, hit_triangle};
 
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
@@ -196,15 +215,37 @@ mod tests {
         values: &'a [f32],
     }
 
+    /// Lanes of a block, before and after the ray is shortened: those that are possible, those that THE triangle test accepts,
+    /// those that are certain.
+    #[derive(Debug, Clone, Copy)]
+    struct Lanes {
+        possible: u32,
+        accepted: u32,
+        certain: u32,
+    }
+
+    /// The lanes of a block that THE triangle test accepts.
+    fn accepted(frame: &RayFrame, block: &Block) -> u32 {
+        let hit = |i: usize| hit_triangle(frame, &block.corners(i), TriId(0)).is_some();
+        (0..LANES).fold(0, |lanes, i| lanes | u32::from(hit(i)) << i)
+    }
+
     impl Job for Everything<'_> {
-        type Output = (u32, u32, Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]);
+        type Output = (Lanes, (Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]));
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
             let (frame, mut lanes) = K::frames(self.ray);
             let before = K::sift::<true>(&lanes, self.block, 0xff);
-            K::shorten(&mut lanes, &RayFrame { t_max: 0.5, ..frame });
+            let shortened = RayFrame { t_max: 0.5, ..frame };
+            K::shorten(&mut lanes, &shortened);
             let after = K::sift::<true>(&lanes, self.block, 0xff);
+            assert_eq!(K::sift::<false>(&lanes, self.block, 0xff).possible, after.possible);
+            let lanes = Lanes {
+                possible: before.possible | after.possible << 8,
+                accepted: accepted(&frame, self.block) | accepted(&shortened, self.block) << 8,
+                certain: before.certain | after.certain << 8,
+            };
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
             K::count_below(self.values, planes, &mut below);
@@ -214,7 +255,7 @@ mod tests {
             row.copy_from_slice(&self.values[..8]);
             let mut bins = K::bin(&row, &[-1.0; 8], &[3.7; 8], 5);
             (bins[3], bins[7]) = (0, 0);
-            (before.possible | after.possible << 8, before.certain | after.certain << 8, below, up_to, sums, bins)
+            (lanes, (below, up_to, sums, bins))
         }
     }
 
@@ -230,7 +271,7 @@ mod tests {
     #[test]
     fn all_levels_give_the_same_bits() {
         let mut random = coarse();
-        let (mut possible, mut certain) = (0, 0);
+        let (mut possible, mut spared, mut certain) = (0, 0, 0);
         for _ in 0..20_000 {
             let mut block: Block = bytemuck::Zeroable::zeroed();
             for lane in 0..LANES {
@@ -243,16 +284,24 @@ mod tests {
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
             let on = |level: Level| level.run(Everything { block: &block, ray: &ray, values: &values });
-            let portable = on(Level::PORTABLE);
+            let (portable, others) = on(Level::PORTABLE);
             for level in Level::available() {
-                assert_eq!(on(level), portable, "{}", level.name());
+                let (lanes, same) = on(level);
+                assert_eq!((lanes.certain, &same), (portable.certain, &others), "{}", level.name());
+                assert_eq!(lanes.certain & !lanes.accepted, 0, "{}: what is certain is accepted", level.name());
+                assert_eq!(lanes.accepted & !lanes.possible, 0, "{}: what is accepted is possible", level.name());
+                // Some levels look closer than plain loops.
+                assert_eq!(lanes.possible & !portable.possible, 0, "{}", level.name());
+                spared += (portable.possible & !lanes.possible).count_ones();
             }
-            assert_eq!(portable.1 & !portable.0, 0, "what is certain is possible");
-            possible += portable.0.count_ones();
-            certain += portable.1.count_ones();
+            possible += portable.possible.count_ones();
+            certain += portable.certain.count_ones();
         }
         assert!(certain > 100 && possible > certain, "{certain} of {possible}");
+        let looks_closer = Level::available().iter().any(|level| level.name().starts_with("avx"));
+        assert_eq!(spared > 1_000, looks_closer, "{spared} of {possible}");
     }
+
     /// The boxes that a ray meets before and after it is shortened, and where it enters those.
     struct Meeting<'a, const W: usize>(&'a Ray, &'a Boxes<W>);
 

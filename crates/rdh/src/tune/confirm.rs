@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Tuned;
 use super::deck::Deck;
 use super::evidence::{Comparison, Measure};
 use super::options::{Clock, TuneOptions};
+use super::score::{self, Score};
 use super::verdict::{Rule, compare};
-use super::{Tuned, score};
 use crate::accel::Accel;
 use crate::error::Result;
 use crate::rays::Unseen;
@@ -65,11 +66,22 @@ pub fn confirm_against(
     }
     let base = sah.stats().spec;
     let rule = |measure| Rule { measure, margin: 0.0, interval_risk: options.risk / 2.0 };
-    let counted = [accel, sah].map(|accel| score::count(accel, &deck).score);
-    let timed = clock.map(|clock| score::time(&[accel, sah], &deck, options.rounds, clock));
+    let pair = [accel, sah];
+    let counted = pair.map(|accel| vec![score::count(accel, &deck).score]);
+    let timed = clock.map(|clock| sessions(pair, &deck, options.rounds, clock));
     Ok(Some(Confirmed {
         rays: deck.samples(),
         counts: compare((&counted[0], &counted[1]), &deck, rule(Measure::Counts), base),
         time: timed.map(|t| compare((&t[0], &t[1]), &deck, rule(Measure::Time), base)),
     }))
+}
+
+/// Times of both in two sessions.
+fn sessions(pair: [&Accel; 2], deck: &Deck, rounds: usize, clock: Clock<'_>) -> [Vec<Score>; 2] {
+    let mut scores = [Vec::new(), Vec::new()];
+    for _ in 0..2 {
+        let session = score::time(&pair, deck, rounds, clock);
+        scores.iter_mut().zip(session).for_each(|(of, score)| of.push(score));
+    }
+    scores
 }

@@ -38,9 +38,9 @@ pub(super) struct Group {
 /// With fewer rays nothing is sure.
 const LEAST_RAYS: usize = 256;
 /// So many distinct rays a block, if there are enough.
-const BLOCK_RAYS: usize = 128;
-/// Rays of a run, if there are enough: many times what reading the clock takes.
-const RUN_RAYS: usize = 64;
+const BLOCK_RAYS: usize = 256;
+/// Rays of a run at most. A run is long enough to fill caches, and short enough for whatever disturbs a machine to last longer.
+const RUN_RAYS: usize = 512;
 /// More blocks say nothing more.
 const MOST_BLOCKS: usize = 33;
 
@@ -86,14 +86,18 @@ impl Group {
     fn deal(part: &[&RaySample], class_weight: f64, blocks: usize) -> Self {
         let total: f64 = part.iter().map(|s| f64::from(s.weight)).sum();
         let step = total / part.len() as f64;
-        let mut sum = 0.0;
+        // A stratified sample by weight: one cast for each step of the weights' sum, at a place that changes from step to step, so that
+        // it falls in with no pattern of the weights; as many in all as there are samples.
+        let (mut sum, mut casts) = (0.0, 0u32);
         let mut copies = |sample: &RaySample| {
-            // A systematic sample by weight: as many casts in all as there are samples.
-            let before = (sum / step).round();
             sum += f64::from(sample.weight);
-            ((sum / step).round() - before) as usize
+            let before = casts;
+            while (f64::from(casts) + within_step(casts)) * step < sum {
+                casts += 1;
+            }
+            (casts - before) as usize
         };
-        let run = (part.len() / blocks).clamp(1, RUN_RAYS);
+        let run = part.len().div_ceil(blocks * part.len().div_ceil(blocks * RUN_RAYS));
         let cast = |run: &[&RaySample]| run.iter().flat_map(|s| std::iter::repeat_n(s.ray, copies(s))).collect();
         let runs: Vec<Vec<Ray>> = in_order(part).chunks(run).map(cast).collect();
         let rays: usize = runs.iter().map(Vec::len).sum();
@@ -105,6 +109,14 @@ impl Group {
     pub(super) fn rays(&self) -> usize {
         self.runs.iter().map(Vec::len).sum()
     }
+}
+
+/// A place in a step, from 0 to 1, without a pattern: the finaliser of a common hash (MurmurHash3).
+fn within_step(step: u32) -> f64 {
+    let mut x = step.wrapping_add(1);
+    x = (x ^ x >> 16).wrapping_mul(0x85eb_ca6b);
+    x = (x ^ x >> 13).wrapping_mul(0xc2b2_ae35);
+    f64::from(x ^ x >> 16) / 4_294_967_296.0
 }
 
 /// Those that start near each other side by side, those that start together by direction: both along a Z curve.
@@ -154,10 +166,14 @@ mod tests {
     fn every_block_has_its_share_of_every_class() {
         let samples: Vec<_> = (0..3000).map(|i| sample(i, 1)).collect();
         let deck = Deck::deal(&samples, &[1.0; 8]);
-        assert_eq!((deck.groups.len(), deck.blocks, deck.samples(), deck.weight()), (2, 23, 3000, 3000.0));
+        assert_eq!((deck.groups.len(), deck.blocks, deck.samples(), deck.weight()), (2, 11, 3000, 3000.0));
         for group in &deck.groups {
             let of = |b: usize| group.runs.iter().skip(b).step_by(deck.blocks).map(Vec::len).sum::<usize>();
-            assert!((0..deck.blocks).all(|b| (28..=66).contains(&of(b))), "{:?}", (0..23).map(of).collect::<Vec<_>>());
+            assert!(
+                (0..deck.blocks).all(|b| (125..=140).contains(&of(b))),
+                "{:?}",
+                (0..11).map(of).collect::<Vec<_>>()
+            );
         }
         assert_eq!(deck.effective, 3000.0);
     }

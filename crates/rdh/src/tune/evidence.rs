@@ -119,13 +119,13 @@ pub struct Comparison {
     pub measure: Measure,
     /// Cost over the base's cost: below 1 is better.
     pub ratio: f64,
-    /// An interval of it; nothing if there is no bound.
+    /// An interval of it, which holds those of both sessions of times; nothing if there is no bound.
     pub interval: Option<[f64; 2]>,
     /// The risk that the truth is beyond it, for each end. It is the choice's risk divided by all that were tried, so that all
     /// ends together hold at the choice's risk.
     pub interval_risk: f64,
-    /// The chance to look so much faster without being so, by the margin at least: the largest over all structures by areas
-    /// that came so far.
+    /// The chance to look so much faster without being so, by the margin at least: the largest over both sessions and all structures
+    /// by areas that came so far, and for those of its own kind over steps and tests as well.
     pub p_faster: f64,
     /// The chance to look so much slower than the base without being so.
     pub p_slower: f64,

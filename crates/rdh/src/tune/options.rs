@@ -22,9 +22,9 @@ pub struct TuneOptions<'a> {
     /// The chance to take a structure that is slower than the best one by areas, over all that are tried together: 0.05.
     pub risk: f64,
     /// By so much the winner must be faster, at least, where time decides: what no interval can see, such as the luck of where
-    /// memory lies. 0.01 is what equal trees differ by (docs/measurements.md).
+    /// memory lies. 0.02 is what times of equal trees scatter by (docs/measurements.md).
     pub margin: f64,
-    /// How often the last ones are timed, in turn; the best time of each block of rays counts. 5.
+    /// How often the last ones are timed, in turn; the best time of each run of rays counts. 15.
     pub rounds: usize,
 }
 
@@ -35,8 +35,8 @@ impl Default for TuneOptions<'_> {
             max_build_secs: None,
             class_weights: [1.0; 8],
             risk: 0.05,
-            margin: 0.01,
-            rounds: 5,
+            margin: 0.02,
+            rounds: 15,
         }
     }
 }

@@ -78,16 +78,20 @@ fn by_block(runs: impl Iterator<Item = f64>, blocks: usize) -> Vec<f64> {
     sums
 }
 
-/// The best of `rounds` times of each run. In each round every structure casts all rays in turn, and the order of structures is
-/// rotated, so that whatever drifts meets all alike.
+/// The best of `rounds` times of each run. Every structure casts a run in turn before any casts the next one, and each begins as often as
+/// the others: whatever disturbs the machine for longer than a run meets all alike, and only so are errors of different blocks
+/// independent. (Whole passes in turn called equal trees different in four of ten races on a busy machine.)
 pub(super) fn time(accels: &[&Accel], deck: &Deck, rounds: usize, clock: Clock<'_>) -> Vec<Score> {
     let unknown = || deck.groups.iter().map(|g| vec![f64::INFINITY; g.runs.len()]).collect();
     let mut best: Vec<Vec<Vec<f64>>> = accels.iter().map(|_| unknown()).collect();
     for round in 0..rounds {
-        for turn in 0..accels.len() {
-            let which = (turn + round) % accels.len();
-            for (group, best) in deck.groups.iter().zip(&mut best[which]) {
-                time_runs(accels[which], group, clock, best);
+        for (g, group) in deck.groups.iter().enumerate() {
+            for (r, rays) in group.runs.iter().enumerate() {
+                for turn in 0..accels.len() {
+                    let which = (turn + round + r) % accels.len();
+                    let nanos = &mut best[which][g][r];
+                    *nanos = nanos.min(time_run(accels[which], group.query, rays, clock));
+                }
             }
         }
     }
@@ -97,18 +101,14 @@ pub(super) fn time(accels: &[&Accel], deck: &Deck, rounds: usize, clock: Clock<'
     best.into_iter().map(score).collect()
 }
 
-fn time_runs(accel: &Accel, group: &Group, clock: Clock<'_>, best: &mut [f64]) {
+fn time_run(accel: &Accel, query: Query, rays: &[Ray], clock: Clock<'_>) -> f64 {
     let mut hits = Vec::new();
-    let mut start = clock();
-    for (rays, best) in group.runs.iter().zip(best) {
-        // The sums keep the compiler from dropping what nobody reads.
-        match group.query {
-            Query::Closest => _ = black_box(rays.iter().filter_map(|r| accel.closest(r)).map(|h| h.t).sum::<f32>()),
-            Query::Occluded => _ = black_box(rays.iter().filter(|r| accel.occluded(r)).count()),
-            Query::All => rays.iter().for_each(|r| accel.all_hits(r, black_box(&mut hits))),
-        }
-        let end = clock();
-        *best = best.min(end.saturating_sub(start) as f64);
-        start = end;
+    let start = clock();
+    // The sums keep the compiler from dropping what nobody reads.
+    match query {
+        Query::Closest => _ = black_box(rays.iter().filter_map(|r| accel.closest(r)).map(|h| h.t).sum::<f32>()),
+        Query::Occluded => _ = black_box(rays.iter().filter(|r| accel.occluded(r)).count()),
+        Query::All => rays.iter().for_each(|r| accel.all_hits(r, black_box(&mut hits))),
     }
+    clock().saturating_sub(start) as f64
 }

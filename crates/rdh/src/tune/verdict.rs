@@ -4,9 +4,14 @@
 //! than the best of them, whichever that is in truth: no correction is due for that (Berger 1982, intersection-union test). For
 //! the many structures for rays there is one, Holm's, over all that were tried, even if they didn't come so far: so it doesn't
 //! matter that the same rays chose who came so far.
+//!
+//! Blocks of rays don't show what is wrong with a whole race, such as a neighbour that comes and goes. So time is taken in two
+//! sessions, both of which must be sure; and a structure of the same kind as one by areas must need fewer steps and tests, too, which
+//! are exact.
 
 use super::Tuned;
-use super::deck::Deck;
+use super::costs::StepCosts;
+use super::deck::{Deck, Group};
 use super::evidence::{ClassRatio, Comparison, Evidence, Measure, Outcome, RaysUsed, Trial};
 use super::interval::{Paired, holm};
 use super::race::{Field, Runner};
@@ -63,29 +68,36 @@ pub(super) struct Rule {
 
 /// The cheapest first; of equals those that were given first.
 fn sort(runners: &mut [Runner], deck: &Deck) {
-    let cost = |r: &Runner| r.score.nanos_per_ray(deck);
+    let cost = |r: &Runner| r.scores.iter().map(|score| score.nanos_per_ray(deck)).sum::<f64>();
     runners.sort_by(|a, b| cost(a).total_cmp(&cost(b)).then(a.index.cmp(&b.index)));
 }
 
 /// Compares a structure with all by areas, and notes how it stands to the first of them, the base. Returns its p.
 fn judge(runner: &Runner, areas: &[Runner], deck: &Deck, rule: Rule, base: &Trial, trials: &mut [Trial]) -> f64 {
-    let against = |area: &Runner| compare((&runner.score, &area.score), deck, rule, base.spec);
+    let against = |area: &Runner| compare((&runner.scores, &area.scores), deck, rule, base.spec);
+    let by_counts =
+        |area: &Runner| match StepCosts::of(&area.accel.stats().spec) == StepCosts::of(&runner.accel.stats().spec) {
+            true => Paired::new(&runner.counted.blocks(deck), &area.counted.blocks(deck)).p_below(1.0),
+            false => 0.0,
+        };
     let mut comparison = against(&areas[0]);
-    comparison.p_faster = areas.iter().map(|area| against(area).p_faster).fold(0.0, f64::max);
+    let p = areas.iter().map(|area| against(area).p_faster.max(by_counts(area))).fold(0.0, f64::max);
+    comparison.p_faster = p;
     let trial = &mut trials[runner.index];
     trial.gap = gap(trial, base);
     trial.break_even_rays = (rule.measure == Measure::Time).then(|| break_even(trial, base)).flatten();
-    let p = comparison.p_faster;
     trial.comparison = Some(comparison);
     p
 }
 
-/// A score against another one on the same rays.
-pub(super) fn compare((value, base): (&Score, &Score), deck: &Deck, rule: Rule, spec: Spec) -> Comparison {
-    let all = Paired::new(&value.blocks(deck), &base.blocks(deck));
-    let class = |(i, group): (usize, &super::deck::Group)| {
-        let paired = Paired::new(&value.nanos[i], &base.nanos[i]);
-        let (ratio, interval) = (paired.ratio(), paired.interval(rule.interval_risk));
+/// Scores against other ones on the same rays, session by session: ratios are of all sessions together, intervals hold those of each,
+/// and what is sure is sure in each.
+pub(super) fn compare((values, bases): (&[Score], &[Score]), deck: &Deck, rule: Rule, spec: Spec) -> Comparison {
+    let sessions = || values.iter().zip(bases);
+    let all = Sessions(sessions().map(|(v, b)| Paired::new(&v.blocks(deck), &b.blocks(deck))).collect());
+    let class = |(i, group): (usize, &Group)| {
+        let of = Sessions(sessions().map(|(v, b)| Paired::new(&v.nanos[i], &b.nanos[i])).collect());
+        let (ratio, interval) = (of.ratio(), of.interval(rule.interval_risk));
         ClassRatio { class: group.class, query: group.query, rays: group.samples, ratio, interval }
     };
     Comparison {
@@ -94,9 +106,28 @@ pub(super) fn compare((value, base): (&Score, &Score), deck: &Deck, rule: Rule, 
         ratio: all.ratio(),
         interval: all.interval(rule.interval_risk),
         interval_risk: rule.interval_risk,
-        p_faster: all.p_below(1.0 - rule.margin),
-        p_slower: all.p_above(1.0),
+        p_faster: all.most(|session| session.p_below(1.0 - rule.margin)),
+        p_slower: all.most(|session| session.p_above(1.0)),
         classes: deck.groups.iter().enumerate().map(class).collect(),
+    }
+}
+
+/// The same pair in several sessions.
+struct Sessions(Vec<Paired>);
+
+impl Sessions {
+    /// Their geometric mean.
+    fn ratio(&self) -> f64 {
+        (self.0.iter().map(|session| session.ratio().ln()).sum::<f64>() / self.0.len() as f64).exp()
+    }
+
+    fn interval(&self, risk: f64) -> Option<[f64; 2]> {
+        let each: Option<Vec<[f64; 2]>> = self.0.iter().map(|session| session.interval(risk)).collect();
+        each?.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    fn most(&self, p: impl Fn(&Paired) -> f64) -> f64 {
+        self.0.iter().map(p).fold(0.0, f64::max)
     }
 }
 

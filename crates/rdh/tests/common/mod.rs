@@ -27,10 +27,19 @@ pub const SPECS: &[&str] = &[
     "bvh8(quick)+sah",
     "sbvh2+sah",
     "sbvh8+sah",
+    "bvh8(split=sweep)+sah",
+    "sbvh4(split=sweep)+sah",
     "bvh8(high)+sah",
     "sbvh4(high)+sah",
+    "bvh8(from=kd)+sah",
+    "bvh4(high,from=kd)+sah",
+    "bvh8(compact)+sah",
+    "sbvh8(quick,compact)+sah",
     "bvh8+rdh",
+    "bvh8(from=kd)+rdh",
+    "bvh2(quick,from=kd)+rdh(paper)",
     "bvh2+rdh(prior=0)",
+    "bvh8+rdh(splits=areas,order=areas)",
     "sbvh8(high)+rdh(rays=whole)",
 ];
 
@@ -40,9 +49,12 @@ pub fn build_spec(mesh: &Mesh, spec: &str) -> Accel {
     build(mesh, &spec, &training(mesh), &BuildOptions::default()).expect("a valid mesh builds")
 }
 
-/// Rays for training: from inside and outside, with their hits.
+/// Rays for training: from inside and outside, with their hits; every third one would take any.
 pub fn training(mesh: &Mesh) -> Training {
     use rdh::{Query, RayClass, RaySample, naive};
-    let sample = |ray| RaySample::new(ray, naive::closest(mesh, &ray), Query::Closest, RayClass::Other);
-    Training::from_samples(rays::mixed(mesh, 300, 7).into_iter().map(sample).collect())
+    let sample = |(i, ray)| {
+        let query = if i % 3 == 0 { Query::Occluded } else { Query::Closest };
+        RaySample::new(ray, naive::closest(mesh, &ray), query, RayClass::Other)
+    };
+    Training::from_samples(rays::mixed(mesh, 300, 7).into_iter().enumerate().map(sample).collect())
 }

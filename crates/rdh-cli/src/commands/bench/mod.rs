@@ -1,12 +1,14 @@
 //! `rdh bench`: our structures and other libraries', side by side in one run.
 
+mod builds;
 mod tables;
 mod watch;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, bail};
-use rdh::Spec;
+use rdh::bvh::{Triangles, Width};
+use rdh::{Spec, StructureSpec};
 use rdh_study::Target;
 use rdh_study::bench::{BenchDocument, BenchEvent, BenchPlan, Log, Registration, Settings, bench, known_engines};
 
@@ -19,6 +21,9 @@ use crate::pick::Shelf;
 
 /// Runs the race and prints it, as a table or as JSON.
 pub(crate) fn run(args: &BenchArgs, context: &Context) -> Result<()> {
+    if args.builds {
+        return builds::run(args, context);
+    }
     let plan = plan(args, context)?;
     plan.check().map_err(|e| usage(e.to_string()))?;
     let (mut log, known) = match &args.out {
@@ -51,9 +56,11 @@ fn plan(args: &BenchArgs, context: &Context) -> Result<BenchPlan> {
     let specs = args.specs.as_deref().map(Spec::list).transpose().map_err(|e| usage(e.to_string()))?;
     let memory_bytes = args.memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
     let size = args.size.unwrap_or(usual.size);
+    let specs = specs.unwrap_or(usual.specs);
     Ok(BenchPlan {
         targets: targets(args, context)?,
-        specs: specs.unwrap_or(usual.specs),
+        twin: if args.twin { Some(twin(&specs)?) } else { None },
+        specs,
         columns: args.columns.clone().unwrap_or(usual.columns),
         engines: engines(args.engines.as_deref())?,
         programs: programs(args.engine_dir.as_deref())?,
@@ -65,6 +72,13 @@ fn plan(args: &BenchArgs, context: &Context) -> Result<BenchPlan> {
         seed: context.seed,
         ..usual
     })
+}
+
+/// The first structure that has a leaky twin.
+fn twin(specs: &[Spec]) -> Result<Spec> {
+    let has_one = |spec: &&Spec| matches!(spec.structure, StructureSpec::Bvh(bvh) if bvh.width == Width::Eight && bvh.triangles == Triangles::Copied);
+    let twin = specs.iter().find(has_one).copied();
+    twin.ok_or_else(|| usage("--twin: none of the specs is a bvh8 or sbvh8 with copies of triangles".to_owned()))
 }
 
 /// The scenes that are named; else all of the folder, and the generated ones.

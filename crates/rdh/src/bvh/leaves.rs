@@ -1,0 +1,79 @@
+//! What leaves hold: copies of triangles, or where the triangles are in the mesh.
+
+use crate::geom::Vec3;
+use crate::mem::Array;
+use crate::mesh::Mesh;
+use crate::simd::{Block, Indices, Kernels, Lanes};
+
+/// Blocks of eight triangles, in one form or another.
+pub(crate) trait Leaves: Clone {
+    /// A block.
+    type Block: Lanes;
+
+    /// Blocks of triangles of a mesh.
+    fn new(blocks: Array<Self::Block>, mesh: &Mesh) -> Self;
+
+    /// All blocks.
+    fn blocks(&self) -> &Array<Self::Block>;
+
+    /// The corners of a block's triangles, copied to `scratch` if need be.
+    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block;
+
+    /// Bytes that are needed beside the blocks.
+    fn other_bytes(&self) -> usize;
+}
+
+/// Copies of triangles: 40 bytes each and more, five cache lines for eight.
+#[derive(Debug, Clone)]
+pub struct Copies(Array<Block>);
+
+impl Leaves for Copies {
+    type Block = Block;
+
+    fn new(blocks: Array<Block>, _mesh: &Mesh) -> Self {
+        Self(blocks)
+    }
+
+    fn blocks(&self) -> &Array<Block> {
+        &self.0
+    }
+
+    #[inline(always)]
+    fn corners<'b, K: Kernels>(&'b self, block: usize, _scratch: &'b mut Block) -> &'b Block {
+        &self.0[block]
+    }
+
+    fn other_bytes(&self) -> usize {
+        0
+    }
+}
+
+/// Indices into the mesh's vertices: 16 bytes a triangle and more, and the vertices themselves. Memory is saved, but the vertices have
+/// to be fetched and put in order whenever a ray comes by.
+#[derive(Debug, Clone)]
+pub struct Shared {
+    blocks: Array<Indices>,
+    points: Array<Vec3>,
+}
+
+impl Leaves for Shared {
+    type Block = Indices;
+
+    fn new(blocks: Array<Indices>, mesh: &Mesh) -> Self {
+        Self { blocks, points: mesh.position_array() }
+    }
+
+    fn blocks(&self) -> &Array<Indices> {
+        &self.blocks
+    }
+
+    #[inline(always)]
+    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block {
+        K::gather(&self.points, &self.blocks[block], scratch);
+        scratch
+    }
+
+    fn other_bytes(&self) -> usize {
+        size_of_val(&self.points[..])
+    }
+}
