@@ -1,6 +1,6 @@
 //! Rays that find what random rays don't: at edges and vertices, along axes, from inside and from outside.
 
-use rdh::{Mesh, Ray, TriId};
+use rdh::{Aabb, Mesh, Ray, TriId};
 
 use crate::integrate::Random;
 
@@ -11,11 +11,12 @@ pub fn aimed_rays(mesh: &Mesh, count: usize, seed: u64) -> Vec<Ray> {
     if mesh.is_empty() {
         return Vec::new();
     }
-    (0..count).map(|i| aimed_ray(mesh, i, &mut Random::new(seed, i as u64))).collect()
+    let bounds = mesh.bounds();
+    (0..count).map(|i| aimed_ray(mesh, &bounds, i, &mut Random::new(seed, i as u64))).collect()
 }
 
-fn aimed_ray(mesh: &Mesh, i: usize, random: &mut Random) -> Ray {
-    let from = start(mesh, random);
+fn aimed_ray(mesh: &Mesh, bounds: &Aabb, i: usize, random: &mut Random) -> Ray {
+    let from = start(bounds, random);
     let corners = mesh.corners(TriId(random.below(mesh.len()) as u32));
     let towards = |target: [f32; 3]| Ray::new(from, [0, 1, 2].map(|a| target[a] - from[a]));
     let ray = match i % 4 {
@@ -25,7 +26,7 @@ fn aimed_ray(mesh: &Mesh, i: usize, random: &mut Random) -> Ray {
             towards([0, 1, 2].map(|a| p[a] + s * (q[a] - p[a])))
         }
         2 => along_axis(from, corners[random.below(3)], random),
-        _ => towards(start(mesh, random)),
+        _ => towards(start(bounds, random)),
     };
     match i % 3 {
         0 => ray.within(0.0, 1.0),
@@ -35,8 +36,8 @@ fn aimed_ray(mesh: &Mesh, i: usize, random: &mut Random) -> Ray {
 }
 
 /// A point in the mesh's box, or around it by half its size.
-fn start(mesh: &Mesh, random: &mut Random) -> [f32; 3] {
-    let (bounds, outside) = (mesh.bounds(), random.below(2) as f64);
+fn start(bounds: &Aabb, random: &mut Random) -> [f32; 3] {
+    let outside = random.below(2) as f64;
     [0, 1, 2].map(|a| {
         let (low, high) = (f64::from(bounds.min[a]), f64::from(bounds.max[a]));
         (low + (high - low) * (random.unit() * (1.0 + outside) - 0.5 * outside)) as f32
