@@ -84,7 +84,7 @@ struct Build<'a> {
 impl Build<'_> {
     /// The binary tree, improved as the effort says; and how often rays visit its nodes, if that has been found out.
     fn grow(&self) -> Result<(Grown, Option<Vec<f32>>)> {
-        if self.mesh.is_empty() {
+        if self.mesh.solid().next().is_none() {
             return Ok((Grown::default(), None));
         }
         let grown = match self.spec.splitter {

@@ -148,7 +148,7 @@ impl<F: Fn(&Asker, usize) -> bool, const W: usize> Trial<'_, F, W> {
                 stopped / cost
             };
             let (mut best, mut most) = (place, worth(order[place]));
-            for (other, &child) in order.iter().enumerate().skip(place + 1) {
+            for (other, &child) in order.iter().enumerate().take(children.len()).skip(place + 1) {
                 let worth = worth(child);
                 if worth > most {
                     (best, most) = (other, worth);
