@@ -60,7 +60,7 @@ fn good_triangles_keep_their_ids_and_their_hits() {
             let expected = naive::closest(&good, &ray).map(|h| (h.tri.0, h.t));
             assert_eq!(accel.closest(&ray).map(|h| (old(h.tri.0), h.t)), expected, "{spec}");
         }
-        if spec.starts_with("bvh") {
+        if spec.starts_with("bvh") && !spec.contains("from=kd") {
             assert_eq!(seen.iter().sum::<usize>(), good.len(), "{spec}: no leaf lists what is wrong");
         }
     }
