@@ -35,8 +35,8 @@ pub(crate) use guided::ByRays;
 pub use layout::Tally;
 pub(crate) use leaves::Leaves;
 pub use leaves::{Copies, Shared};
-pub(crate) use split::{Centres, Search};
 pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, When, Width};
+pub(crate) use split::{Centres, Search};
 
 use link::Link;
 

@@ -47,8 +47,7 @@ impl BvhSpec {
     /// Whether a hierarchy of this kind can grow where rays come.
     pub(crate) fn can_be_lazy(&self) -> bool {
         let Self { width, effort: _, split, splitter, triangles, when: _ } = *self;
-        (width, split, splitter, triangles)
-            == (Width::Eight, SplitSearch::Binned, Splitter::Objects, Triangles::Copied)
+        (width, split, splitter, triangles) == (Width::Eight, SplitSearch::Binned, Splitter::Objects, Triangles::Copied)
     }
 }
 

@@ -38,18 +38,9 @@ impl Ahead<'_> {
         if rays.is_empty() {
             return Ok(());
         }
-        let grown = if subtree.is_waiting() {
-            // Not within the subtree's own growing: several threads may take part in this, and whoever waits for them must not be waited
-            // for.
-            let grown = self.grown(subtree.with_waiting(std::mem::take), subtree.depth(), rays);
-            subtree.grow(|_| grown)
-        } else {
-            subtree.get(self.ground)
-        };
+        let grown = subtree.grow_alone(|runs| self.grown(runs, subtree.depth(), rays));
         let Grown::Node(node) = grown else { return Ok(()) };
-        let child = |(lane, child): (usize, &Subtree)| {
-            self.grow(child, &self.rdh.descend(rays, &node.boxes.get(lane)))
-        };
+        let child = |(lane, child): (usize, &Subtree)| self.grow(child, &self.rdh.descend(rays, &node.boxes.get(lane)));
         if self.parallel {
             node.children.par_iter().enumerate().try_for_each(child)
         } else {
@@ -57,8 +48,8 @@ impl Ahead<'_> {
         }
     }
 
-    fn grown(&self, runs: Vec<Extent>, depth: u32, rays: &NodeRays) -> Grown {
-        let n = runs::count(&runs);
+    fn grown(&self, runs: &mut [Extent], depth: u32, rays: &NodeRays) -> Option<Grown> {
+        let n = runs::count(runs);
         if n <= WHOLE {
             return self.tree(runs, n, rays);
         }
@@ -73,7 +64,7 @@ impl Ahead<'_> {
     }
 
     /// With care for these rays, if there are many.
-    fn tree(&self, runs: Vec<Extent>, n: usize, rays: &NodeRays) -> Grown {
+    fn tree(&self, runs: &[Extent], n: usize, rays: &NodeRays) -> Option<Grown> {
         if self.rdh.weigh_node(rays) * TRIANGLES_WORTH_CARE < self.all * n as f32 {
             return self.ground.tree(runs, self.ground.spec(), None);
         }

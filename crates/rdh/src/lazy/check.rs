@@ -56,7 +56,8 @@ impl Check<'_> {
             Some(Grown::Node(node)) => {
                 let present = (0..LANES).filter(|&lane| node.boxes.is_present(lane)).count();
                 if present != node.children.len() {
-                    let what = format!("a node at depth {depth} has {present} boxes and {} subtrees", node.children.len());
+                    let what =
+                        format!("a node at depth {depth} has {present} boxes and {} subtrees", node.children.len());
                     self.faults.add(ROOT, what);
                 }
             }
@@ -67,7 +68,8 @@ impl Check<'_> {
                 tree.cells(&mut |cell, _, ids| {
                     let cell = Aabb { min: cell.min.map(|x| x * factor), max: cell.max.map(|x| x * factor) };
                     if !place.bounds.holds(&cell) {
-                        self.faults.add(ROOT, format!("a leaf in a tree at depth {depth} reaches out of its parent's box"));
+                        self.faults
+                            .add(ROOT, format!("a leaf in a tree at depth {depth} reaches out of its parent's box"));
                     }
                     ids.iter().for_each(|&id| self.hold(id, &cell));
                 });

@@ -15,7 +15,7 @@ use crate::options::BuildOptions;
 use crate::simd::{Boxes, Level};
 
 /// Subtrees of up to so many triangles grow at once and in whole.
-pub(super) const WHOLE: usize = 2048;
+pub(super) const WHOLE: usize = 1024;
 
 /// What all subtrees of a lazy structure share.
 #[derive(Debug)]
@@ -32,14 +32,7 @@ pub(super) struct Ground {
 impl Ground {
     pub(super) fn new(mesh: &Mesh, space: Space, spec: &BvhSpec, options: &BuildOptions<'_>) -> Self {
         let most_bytes = options.max_bytes.unwrap_or(usize::MAX);
-        Self {
-            mesh: mesh.clone(),
-            space,
-            spec: *spec,
-            level: options.level(),
-            most_bytes,
-            bytes: AtomicUsize::new(0),
-        }
+        Self { mesh: mesh.clone(), space, spec: *spec, level: options.level(), most_bytes, bytes: AtomicUsize::new(0) }
     }
 
     /// Bytes of all that has grown or waits.
@@ -58,50 +51,43 @@ impl Ground {
         self.bytes.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more).is_ok()
     }
 
-    /// What a subtree of these runs is to be: on this thread alone, by areas.
-    pub(super) fn grow(&self, runs: Vec<Extent>, depth: u32) -> Grown {
-        if runs::count(&runs) <= WHOLE {
+    /// What a subtree of these runs is to be: on this thread alone, by areas; nothing if it can't be had.
+    pub(super) fn grow(&self, runs: &mut [Extent], depth: u32) -> Option<Grown> {
+        if runs::count(runs) <= WHOLE {
             return self.tree(runs, &self.spec, None);
         }
         self.node(runs, depth, &Parting { chooser: &ByArea, level: self.level, parallel: false }, ())
     }
 
-    /// A node over runs; bare runs, if it can't be had.
+    /// A node over runs, whose order changes.
     pub(super) fn node<C: Chooser>(
         &self,
-        mut runs: Vec<Extent>,
+        runs: &mut [Extent],
         depth: u32,
         parting: &Parting<'_, C>,
         rays: C::Rays,
-    ) -> Grown {
-        let grown = split_into_eight(&mut runs, depth, parting, rays).and_then(|parts| {
-            let mut children = Vec::new();
-            reserve(&mut children, parts.len(), "nodes")?;
-            let mut boxes = Boxes::NONE;
-            for (lane, (bounds, range)) in parts.into_iter().enumerate() {
-                boxes.set(lane, &bounds, 0);
-                children.push(Subtree::new(copy(&runs[range])?, depth + 1));
-            }
-            Ok(Box::new(Node { boxes, children }))
-        });
-        match grown {
-            // Runs only change hands.
-            Ok(node) if self.take(Node::BYTES) => Grown::Node(node),
-            _ => Grown::Bare(runs),
+    ) -> Option<Grown> {
+        let parts = split_into_eight(runs, depth, parting, rays).ok()?;
+        let mut children = Vec::new();
+        reserve(&mut children, parts.len(), "nodes").ok()?;
+        let mut boxes = Boxes::NONE;
+        for (lane, (bounds, range)) in parts.into_iter().enumerate() {
+            boxes.set(lane, &bounds, 0);
+            children.push(Subtree::new(copy(&runs[range]).ok()?, depth + 1));
         }
+        // Runs only change hands.
+        self.take(Node::BYTES).then(|| Grown::Node(Box::new(Node { boxes, children })))
     }
 
-    /// A whole tree over runs; bare runs, if it can't be had.
-    pub(super) fn tree(&self, runs: Vec<Extent>, spec: &BvhSpec, guide: Option<&Rdh>) -> Grown {
+    /// A whole tree over runs.
+    pub(super) fn tree(&self, runs: &[Extent], spec: &BvhSpec, guide: Option<&Rdh>) -> Option<Grown> {
         if runs.is_empty() {
-            return Grown::Bare(runs);
+            return None;
         }
         let options = BuildOptions { threads: Some(1), level: Some(self.level), ..BuildOptions::default() };
-        let built = self.primitives(&runs).and_then(|p| Bvh::of_part(&self.mesh, &self.space, p, spec, guide, &options));
-        match built {
-            Ok(tree) if self.take(tree.array_bytes() + size_of::<Bvh<8>>()) => Grown::Tree(Box::new(tree)),
-            _ => Grown::Bare(runs),
-        }
+        let primitives = self.primitives(runs).ok()?;
+        let tree = Bvh::of_part(&self.mesh, &self.space, primitives, spec, guide, &options).ok()?;
+        self.take(tree.array_bytes() + size_of::<Bvh<8>>()).then(|| Grown::Tree(Box::new(tree)))
     }
 
     /// The boxes of the runs' triangles.

@@ -70,7 +70,8 @@ impl Lazy {
         self.tree.each(&mut |place| {
             let depth = place.subtree.depth() as usize;
             let mut bare = |runs: &[Extent]| {
-                let ids: Vec<u32> = runs.iter().flat_map(|run| runs::triangles(&ground.mesh, *run)).map(|TriId(id)| id).collect();
+                let ids: Vec<u32> =
+                    runs.iter().flat_map(|run| runs::triangles(&ground.mesh, *run)).map(|TriId(id)| id).collect();
                 if !ids.is_empty() {
                     visit(ground.space.scale.unscaled(&place.bounds), depth, &ids);
                 }

@@ -121,7 +121,12 @@ impl Lazy {
 
     /// The nearest hit that `passes`.
     pub fn closest_where(&self, ray: &Ray, passes: &mut dyn FnMut(&Hit) -> bool) -> Option<Hit> {
-        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>> { tree: &self.tree, ray, probe: &mut (), start: passes })
+        self.level.run(trace::Walk::<_, leaf::ClosestWhere<'_>> {
+            tree: &self.tree,
+            ray,
+            probe: &mut (),
+            start: passes,
+        })
     }
 
     /// Whether there is a hit that `passes`.
@@ -153,8 +158,7 @@ impl Tree {
     fn grow_root(&self, parallel: bool) {
         if self.root.with_waiting(|runs| runs::count(runs)) > ground::WHOLE {
             let parting = Parting { chooser: &ByArea, level: self.ground.level(), parallel };
-            let grown = self.ground.node(self.root.with_waiting(std::mem::take), 0, &parting, ());
-            self.root.grow(|_| grown);
+            self.root.grow_alone(|runs| self.ground.node(runs, 0, &parting, ()));
         }
     }
 }

@@ -40,13 +40,8 @@ pub(super) fn split_into_eight<C: Chooser>(
     parting: &Parting<'_, C>,
     rays: C::Rays,
 ) -> Result<Vec<(Aabb, Range<usize>)>> {
-    let search = Search {
-        level: parting.level,
-        parallel: parting.parallel,
-        split: SplitSearch::Binned,
-        bins: 32,
-        leaf: 1,
-    };
+    let search =
+        Search { level: parting.level, parallel: parting.parallel, split: SplitSearch::Binned, bins: 32, leaf: 1 };
     let (extent, centres) = search.measure(all);
     let mut parts = Vec::new();
     reserve(&mut parts, 8, "nodes")?;
@@ -60,7 +55,9 @@ pub(super) fn split_into_eight<C: Chooser>(
         let part = parts.swap_remove(which);
         parts.extend(halve(all, &part, depth, &search, parting.chooser));
     }
-    parts.sort_by(|a, b| b.todo.extent.half_area().total_cmp(&a.todo.extent.half_area()).then(a.range.start.cmp(&b.range.start)));
+    parts.sort_by(|a, b| {
+        b.todo.extent.half_area().total_cmp(&a.todo.extent.half_area()).then(a.range.start.cmp(&b.range.start))
+    });
     Ok(parts.into_iter().map(|part| (part.todo.extent.bounds(), part.range)).collect())
 }
 

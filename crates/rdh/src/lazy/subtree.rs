@@ -56,17 +56,32 @@ impl Subtree {
         }
     }
 
-    /// Whether nothing has grown yet.
-    pub(super) fn is_waiting(&self) -> bool {
-        self.grown.get().is_none()
-    }
-
-    /// Lets it grow by `how`, unless it has grown. That must not wait for other subtrees, nor run anything else on this thread: a ray
-    /// that is cast meanwhile on the same thread would wait for itself.
+    /// Lets it grow by `how`, unless it has grown; where that gives nothing its triangles stay bare. `how` must not wait for other
+    /// subtrees, nor run anything else on this thread: a ray that is cast meanwhile on the same thread would wait for itself.
     #[cold]
     #[inline(never)]
-    pub(super) fn grow(&self, how: impl FnOnce(Vec<Extent>) -> Grown) -> &Grown {
-        self.grown.get_or_init(|| how(self.with_waiting(std::mem::take)))
+    pub(super) fn grow(&self, how: impl FnOnce(&mut Vec<Extent>) -> Option<Grown>) -> &Grown {
+        self.grown.get_or_init(|| self.grown_by(how))
+    }
+
+    /// The same for who alone has the structure, before there are rays: other threads may help.
+    pub(super) fn grow_alone(&self, how: impl FnOnce(&mut Vec<Extent>) -> Option<Grown>) -> &Grown {
+        match self.grown.get() {
+            Some(grown) => grown,
+            None => {
+                let grown = self.grown_by(how);
+                self.grown.get_or_init(|| grown)
+            }
+        }
+    }
+
+    /// The runs are given up last: if growing should panic, whoever comes next finds them.
+    fn grown_by(&self, how: impl FnOnce(&mut Vec<Extent>) -> Option<Grown>) -> Grown {
+        self.with_waiting(|runs| {
+            let grown = how(runs);
+            let runs = std::mem::take(runs);
+            grown.unwrap_or(Grown::Bare(runs))
+        })
     }
 
     /// What has grown so far.

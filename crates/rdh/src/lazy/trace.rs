@@ -1,10 +1,10 @@
 //! Rays through what has grown; what they reach grows.
 
+use super::Tree;
 use super::ground::Ground;
 use super::part::DEEPEST;
 use super::runs;
 use super::subtree::{Grown, Subtree};
-use super::Tree;
 use crate::bvh::Extent;
 use crate::bvh::trace::{Caster, Watertight};
 use crate::geom::Ray;

@@ -23,6 +23,10 @@ const SPECS: &str = "kd(split=exact)+sah,bvh8(quick)+sah,kd+sah,bvh8(quick,lazy)
 const SHALLOW: (usize, usize) = (2, 16);
 /// What `auto` chooses among, by place, in the order in which they are tried.
 const CANDIDATES: [usize; 3] = [3, 1, 4];
+/// What settings are called in which the quick hierarchy is the base.
+pub const BESIDE_QUICK: &str = "beside the quick hierarchy";
+/// Rays of the frame before that are known: a fair sample. More make building ahead slower, but nothing better.
+const PROFILE: usize = 2048;
 /// Frames that are looked at, evenly along the way.
 const STATIONS: u32 = 5;
 
@@ -100,7 +104,8 @@ impl Way {
 
     /// Frames that have one before them, in order.
     fn stations(&self) -> Vec<u32> {
-        let mut stations: Vec<u32> = (0..STATIONS).map(|i| 1 + (2 * i + 1) * (self.frames - 1) / (2 * STATIONS)).collect();
+        let mut stations: Vec<u32> =
+            (0..STATIONS).map(|i| 1 + (2 * i + 1) * (self.frames - 1) / (2 * STATIONS)).collect();
         stations.retain(|&frame| frame < self.frames);
         stations.dedup();
         stations
@@ -154,7 +159,7 @@ fn shadows(lab: &Lab<'_>, primary: &RayBatch) -> Vec<rdh::Ray> {
 fn record(lab: &Lab<'_>, batches: &[RayBatch]) -> (Training, f64) {
     let hits: Vec<Vec<Option<Hit>>> =
         batches.iter().map(|b| b.rays.iter().map(|ray| lab.first.closest(ray)).collect()).collect();
-    let recorder = Recorder::new(lab.plan.training, derived_seed(lab.plan.seed, u64::from(b'A')));
+    let recorder = Recorder::new(PROFILE, derived_seed(lab.plan.seed, u64::from(b'A')));
     let (profile, secs) = time_thread(|| {
         for (batch, hits) in batches.iter().zip(&hits) {
             batch.rays.iter().zip(hits).for_each(|(ray, &hit)| recorder.record(ray, hit, batch.query, batch.class));
@@ -261,9 +266,10 @@ fn report(
     let rays: u64 = batches.iter().map(|b| b.rays.len() as u64).sum();
     let chosen = choice.next(rays);
     choice.learn(chosen, timed[CANDIDATES[chosen]].cost(rays));
-    let auto = rows[CANDIDATES[chosen]].iter().map(|row| Row { spec: Spec::AUTO, chosen: Some(row.spec), ..row.clone() });
+    let auto =
+        rows[CANDIDATES[chosen]].iter().map(|row| Row { spec: Spec::AUTO, chosen: Some(row.spec), ..row.clone() });
     rows.push(auto.collect());
-    let [all, quick] = settings(&found.job);
+    let [all, quick] = settings(&found.job, frame);
     for (setting, skipped) in [(all, 0), (quick, 1)] {
         for row in rows.iter().skip(skipped).flatten() {
             let experiment = Some(found.job.experiment.clone());
@@ -272,10 +278,10 @@ fn report(
     }
 }
 
-/// Beside the base, and beside the quick structures.
-fn settings(job: &Job) -> [String; 2] {
+/// Beside the base, and beside the quick structures. What differs in the frame alone is summarised together.
+fn settings(job: &Job, frame: u32) -> [String; 2] {
     let way = format!("{} {}, {}", job.scene, job.view, job.mode);
-    [way.clone(), format!("{way}, beside bvh8(quick)")]
+    [format!("{way}, frame {frame}"), format!("{way}, {BESIDE_QUICK}, frame {frame}")]
 }
 
 /// Counts, answers and times; `[structure][batch]`.

@@ -5,7 +5,7 @@ mod assumptions;
 mod blend;
 mod bound;
 mod controls;
-mod frames;
+pub mod frames;
 mod how_many;
 mod modes;
 mod occlusion;
