@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::super::group::{Key, family, group};
+use super::super::group::{Group, Key, group};
 use super::super::pairs::{Metric, Pair};
 use super::super::table::effects;
 use super::super::view::Study;
@@ -55,11 +55,10 @@ fn tables(caption: &str, pairs: &[&Pair<'_>]) -> Markup {
 
 /// Which structure took least for a whole frame.
 fn fastest(way: &str, pairs: &[&Pair<'_>]) -> Option<Markup> {
-    let of = |g: super::super::group::Group<'_, '_>| Some((effect(&g.pairs, Metric::Frame)?, g.labels[0].clone()));
+    let of = |g: Group<'_, '_>| Some((effect(&g.pairs, Metric::Frame)?, g.labels[0].clone()));
     let least = group(pairs, &[Key::Spec]).into_iter().filter_map(of);
     let (effect, spec) = least.min_by(|a, b| a.0.mean.total_cmp(&b.0.mean))?;
     let base = pairs.first()?.base;
-    debug_assert!(pairs.iter().all(|p| family(p) == family(pairs[0])), "pairs of one way");
     Some(
         html! { (way) ": " code { (spec) } " takes least, beside " code { (base) } ": " (words::said(&effect, Metric::Frame)) },
     )

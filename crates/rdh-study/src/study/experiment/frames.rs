@@ -10,7 +10,7 @@ use crate::clock::time_thread;
 use crate::integrate::{Mode, RayBatch, Shoot, derived_seed};
 use crate::plan::{Case, Plan, path_view};
 use crate::rows::Row;
-use crate::run::{Built, Trial};
+use crate::run::Built;
 use crate::stats::median;
 use crate::study::choice::{Choice, Cost};
 use crate::study::scope::Sample;
@@ -266,9 +266,9 @@ fn report(
     let rays: u64 = batches.iter().map(|b| b.rays.len() as u64).sum();
     let chosen = choice.next(rays);
     choice.learn(chosen, timed[CANDIDATES[chosen]].cost(rays));
-    let auto =
-        rows[CANDIDATES[chosen]].iter().map(|row| Row { spec: Spec::AUTO, chosen: Some(row.spec), ..row.clone() });
-    rows.push(auto.collect());
+    let taken = &rows[CANDIDATES[chosen]];
+    let auto = taken.iter().map(|row| Row { spec: Spec::AUTO, chosen: Some(row.spec), ..row.clone() }).collect();
+    rows.push(auto);
     let [all, quick] = settings(&found.job, frame);
     for (setting, skipped) in [(all, 0), (quick, 1)] {
         for row in rows.iter().skip(skipped).flatten() {
