@@ -7,7 +7,7 @@ use rdh_scene::View;
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::clock::time_thread;
-use crate::integrate::{Mode, RayBatch, Shoot, derived_seed};
+use crate::integrate::{Mode, RayBatch, derived_seed};
 use crate::plan::{Case, Plan, path_view};
 use crate::rows::Row;
 use crate::run::Built;
