@@ -41,8 +41,11 @@ fn run() -> Result<bool, String> {
     }
     println!("\n{}", summary(&findings));
     let risk = each_risk(&findings, RISK);
-    let wrong = |f: &Finding| f.violations(risk).into_iter().map(|v| format!("{}, {}: {v}", f.place, f.rays)).collect();
-    let violations: Vec<String> = findings.iter().flat_map(|f| -> Vec<String> { wrong(f) }).collect();
+    let mut violations = Vec::new();
+    for finding in &findings {
+        let named = |violation| format!("{}, {}: {violation}", finding.place, finding.rays);
+        violations.extend(finding.violations(risk).into_iter().map(named));
+    }
     violations.iter().for_each(|violation| println!("VIOLATION: {violation}"));
     Ok(violations.is_empty())
 }
@@ -68,7 +71,7 @@ fn mark(outcome: Outcome) -> &'static str {
 }
 
 fn summary(findings: &[Finding]) -> String {
-    let ended = |wanted| findings.iter().filter(|f| f.taken.is_some_and(|(_, outcome)| outcome == wanted));
+    let ended = |wanted| findings.iter().filter(move |f| f.taken.is_some_and(|(_, outcome)| outcome == wanted));
     let unseen: Vec<f64> = ended(Outcome::Rays).filter(|f| f.warned.is_none()).filter_map(ratio).collect();
     let comparisons: usize = findings.iter().map(|f| f.unseen.len()).sum();
     let worst = unseen.iter().copied().fold(0.0, f64::max);
