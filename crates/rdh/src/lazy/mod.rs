@@ -78,7 +78,7 @@ impl Lazy {
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
         let parallel = options.threads != Some(1);
-        let (runs, in_mesh) = runs::runs(mesh, parallel, &watch)?;
+        let (runs, in_mesh) = runs::runs(mesh, options.level(), parallel, &watch)?;
         let space = Space::of(&in_mesh);
         // Rays that were not foreseen are few.
         let unforeseen = if rays.is_some() { BvhSpec { effort: Effort::Quick, ..*spec } } else { *spec };

@@ -3,14 +3,17 @@
 //! Meshes come object by object and strip by strip, so that neighbours in the list are mostly neighbours in space. Where they are not,
 //! a run is halved until it holds together, down to single triangles: then the upper tree is what it would be without runs.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::bvh::Extent;
 use crate::error::Result;
-use crate::geom::{Aabb, Scale, TriId};
+use crate::geom::{Aabb, Scale, TriId, Vec3};
 use crate::mem::{joined, reserve};
 use crate::mesh::Mesh;
 use crate::options::Watch;
+use crate::simd::{Job, Kernels, Level, Portable};
 
 /// At most so many triangles are a run.
 pub(super) const LONGEST: usize = 16;
@@ -23,15 +26,12 @@ const CHUNK: usize = 1 << 15;
 
 /// Boxes of runs in the space of a structure: first triangle and number of triangles; and the box of them all, as it is in the mesh.
 /// Runs without a triangle that can be hit are left out. O(n).
-pub(super) fn runs(mesh: &Mesh, parallel: bool, watch: &Watch<'_>) -> Result<(Vec<Extent>, Aabb)> {
+pub(super) fn runs(mesh: &Mesh, level: Level, parallel: bool, watch: &Watch<'_>) -> Result<(Vec<Extent>, Aabb)> {
     let chunk = |first: usize| {
         watch.check_cancelled()?;
-        let mut found = Vec::new();
-        for first in (first..(first + CHUNK).min(mesh.len())).step_by(LONGEST) {
-            find(mesh, first, &mut found)?;
-        }
-        watch.report(CHUNK.min(mesh.len() - first));
-        Ok(found)
+        let ids = first..(first + CHUNK).min(mesh.len());
+        watch.report(ids.len());
+        level.run(Find { mesh, ids })
     };
     let starts = (0..mesh.len()).step_by(CHUNK);
     let chunks: Result<Vec<Vec<Extent>>> = if parallel {
@@ -51,40 +51,78 @@ fn scaled(run: Extent, factor: f32) -> Extent {
     Extent { min: run.min.map(|x| x * factor), negated_max: run.negated_max.map(|x| x * factor), ..run }
 }
 
-/// Adds the runs among the [`LONGEST`] triangles from `first` on.
-fn find(mesh: &Mesh, first: usize, found: &mut Vec<Extent>) -> Result<()> {
-    let mut boxes = [Aabb::EMPTY; LONGEST];
-    let n = LONGEST.min(mesh.len() - first);
-    for (i, bounds) in boxes[..n].iter_mut().enumerate() {
-        let [a, b, c] = mesh.triangles()[first + i];
-        // No ray hits the others.
-        if a != b && b != c && a != c {
-            *bounds = Aabb::around(&mesh.corners(TriId((first + i) as u32)));
+/// Finds the runs among some triangles.
+struct Find<'a> {
+    mesh: &'a Mesh,
+    ids: Range<usize>,
+}
+
+impl Job for Find<'_> {
+    type Output = Result<Vec<Extent>>;
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Self::Output {
+        let Self { mesh, ids } = self;
+        let mut found = Vec::new();
+        let mut boxes = [Extent::EMPTY; LONGEST];
+        let mut first = ids.start;
+        while first < ids.end {
+            let n = LONGEST.min(ids.end - first);
+            let (mut all, mut parts) = (Extent::EMPTY, 0.0);
+            for (bounds, triangle) in boxes.iter_mut().zip(&mesh.triangles()[first..first + n]) {
+                *bounds = Extent::EMPTY;
+                let [a, b, c] = *triangle;
+                // No ray hits the others.
+                if a != b && b != c && a != c {
+                    for vertex in [a, b, c] {
+                        bounds.grow::<K>(&point(mesh.positions()[vertex as usize]));
+                    }
+                    all.grow::<K>(bounds);
+                    parts += half_area(bounds);
+                }
+            }
+            if half_area(&all) <= SPREAD * parts {
+                add(&all, first, n, &mut found)?;
+            } else {
+                halve(&boxes[..n], first, &mut found)?;
+            }
+            first += n;
         }
+        Ok(found)
     }
-    halve(&boxes[..n], first, found)
 }
 
 /// One run, if it holds together, else those of both halves.
-fn halve(boxes: &[Aabb], first: usize, found: &mut Vec<Extent>) -> Result<()> {
-    let all = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
-    if all.is_empty() {
-        return Ok(());
-    }
+fn halve(boxes: &[Extent], first: usize, found: &mut Vec<Extent>) -> Result<()> {
+    let mut all = Extent::EMPTY;
+    boxes.iter().for_each(|b| all.grow::<Portable>(b));
     let parts: f64 = boxes.iter().filter(|b| !b.is_empty()).map(half_area).sum();
-    if boxes.len() == 1 || half_area(&all) <= SPREAD * parts {
-        reserve(found, 1, "runs of triangles")?;
-        found.push(Extent::new(&all, first as u32, boxes.len() as u32));
-        return Ok(());
+    if boxes.len() == 1 || all.is_empty() || half_area(&all) <= SPREAD * parts {
+        return add(&all, first, boxes.len(), found);
     }
     let (low, high) = boxes.split_at(boxes.len() / 2);
     halve(low, first, found)?;
     halve(high, first + low.len(), found)
 }
 
-/// In f64, in which no coordinates over- or underflow.
-fn half_area(bounds: &Aabb) -> f64 {
-    let [x, y, z] = [0, 1, 2].map(|a| f64::from(bounds.max[a]) - f64::from(bounds.min[a]));
+fn add(bounds: &Extent, first: usize, n: usize, found: &mut Vec<Extent>) -> Result<()> {
+    if !bounds.is_empty() {
+        reserve(found, 1, "runs of triangles")?;
+        found.push(bounds.with(first as u32, n as u32));
+    }
+    Ok(())
+}
+
+/// A box around a point. Zeros lose their sign, as in [`Extent::new`].
+#[inline(always)]
+fn point(p: Vec3) -> Extent {
+    Extent { min: p.map(|x| x + 0.0), link: 0, negated_max: p.map(|x| 0.0 - x), count: 0 }
+}
+
+/// In f64, in which no coordinates over- or underflow. That of an empty box means nothing.
+#[inline(always)]
+fn half_area(bounds: &Extent) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|a| -f64::from(bounds.negated_max[a]) - f64::from(bounds.min[a]));
     x * y + y * z + z * x
 }
 
