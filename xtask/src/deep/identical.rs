@@ -4,7 +4,8 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use super::{Arguments, Outcome, outcome, root};
+use super::{Arguments, Outcome, outcome};
+use crate::root;
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
     let beside = root().join("../shared/scenes");
@@ -18,5 +19,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
             &mut command
         }
     };
-    outcome(&mut command)
+    outcome(&mut command, &["in all:"])
 }
