@@ -6,7 +6,10 @@ use rdh_study::identical::FAMILIES;
 use rdh_study::soak::{Aim, Closed, Detail, Plan, Tally, closed_meshes, soak};
 
 fn plan(specs: &str, casts: u64, brute: bool) -> Plan {
-    Plan { specs: Spec::list(specs).expect(specs), casts, seed: 7, brute }
+    let mut specs = Spec::list(specs).expect(specs);
+    // What it chooses is one of the others.
+    specs.retain(|spec| *spec != Spec::AUTO);
+    Plan { specs, casts, seed: 7, brute }
 }
 
 fn run(meshes: &[Closed], plan: &Plan) -> Tally {
