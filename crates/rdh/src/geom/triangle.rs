@@ -23,7 +23,7 @@ use super::{GeomId, Hit, InstId, Ray, TriId, Vec3};
 /// A ray made ready for [`Mesh`](crate::Mesh) triangles: the shear that turns it into the z axis.
 ///
 /// One ray must use one frame in all its tests.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayFrame {
     /// The axes that become x, y and z; z is the one along which the ray moves most.
     pub k: [usize; 3],

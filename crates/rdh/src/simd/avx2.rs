@@ -6,7 +6,7 @@ use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few
 use super::portable::Portable;
 use super::reach::{LEAST_T, ROUNDING, UNDERFLOW};
 use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
-use crate::geom::{Ray, RayFrame, Scale, Vec3};
+use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
 /// Runs a job with AVX2.
 ///
@@ -322,9 +322,10 @@ impl Sheared {
             let vanishes = _mm256_cmp_ps::<_CMP_NGE_UQ>(size, _mm256_set1_ps(f32::MIN_POSITIVE));
             let error = _mm256_or_ps(error, vanishes);
             let (low, high) = (_mm256_sub_ps(depth, error), _mm256_add_ps(depth, error));
-            let first = _mm256_mul_ps(size, _mm256_set1_ps(t_min));
             // A `t` beyond f32's range is no hit.
-            let last = _mm256_mul_ps(size, _mm256_set1_ps(if t_max < f32::MAX { t_max } else { f32::MAX }));
+            let (t_min, t_max) = (larger(t_min, f32::MIN), smaller(t_max, f32::MAX));
+            let (first, last) =
+                (_mm256_mul_ps(size, _mm256_set1_ps(t_min)), _mm256_mul_ps(size, _mm256_set1_ps(t_max)));
             let before = _mm256_cmp_ps::<_CMP_LT_OQ>(high, first);
             let outside = _mm256_or_ps(before, _mm256_cmp_ps::<_CMP_GT_OQ>(low, last));
             let above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.least, zero);

@@ -245,7 +245,7 @@ mod tests {
         fn of<K: Kernels>(ray: &Ray, block: &Block, (t_min, t_max): (f32, f32)) -> Self {
             let lanes = K::frame(ray);
             let frame = K::ray_frame(&lanes, (t_min, t_max));
-            assert_eq!(format!("{frame:?}"), format!("{:?}", RayFrame { t_min, t_max, ..RayFrame::new(ray) }));
+            assert_eq!(frame, RayFrame { t_min, t_max, ..RayFrame::new(ray) });
             assert_eq!(K::direction_z(&lanes), frame.direction_z);
             let sheared = K::shear(&lanes, block);
             let inside = K::inside(&sheared, 0xff);
@@ -339,7 +339,7 @@ mod tests {
     fn what_is_sifted_out_is_no_hit_and_what_is_certain_is_one() {
         let (mut random, mut possible, mut certain, mut inside, mut accepted) = (coarse(), 0, 0, 0, 0);
         let power = |exponent: i32| 2f64.powi(exponent) as f32;
-        for round in 0..30_000 {
+        for round in 0..5_000 {
             let size = power(round % 250 - 125);
             let block = random_block(&mut || random() * size);
             let long = power(round / 7 % 250 - 125);
@@ -369,7 +369,7 @@ mod tests {
         }
         // At ordinary sizes little is left to be tested.
         assert!(
-            accepted > 1_000 && possible < accepted + inside / 4 && certain > accepted / 4,
+            accepted > 100 && possible < accepted + inside / 4 && certain > accepted / 4,
             "{possible} {accepted} {certain}"
         );
     }

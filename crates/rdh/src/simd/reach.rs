@@ -59,7 +59,7 @@ impl Sheared {
         let depth = if size < 0.0 { -depth } else { depth };
         let (low, high) = (depth - error, depth + error);
         // A `t` beyond f32's range is no hit.
-        let (first, last) = (t_min * size.abs(), t_max.min(f32::MAX) * size.abs());
+        let (first, last) = (t_min.max(f32::MIN) * size.abs(), t_max.min(f32::MAX) * size.abs());
         let inside = (w[0] > 0.0 && w[1] > 0.0 && w[2] > 0.0) || (w[0] < 0.0 && w[1] < 0.0 && w[2] < 0.0);
         (!(high < first || low > last), inside && low > first && high < last)
     }
