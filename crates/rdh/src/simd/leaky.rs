@@ -96,14 +96,6 @@ impl<'a, const MASKS: bool> LeakyRay<'a, MASKS> {
         }
     }
 
-    /// Which lanes hold triangles that the ray sees.
-    #[cold]
-    #[inline(never)]
-    fn seen(&self, ids: &[u32; LANES], lanes: u32) -> u32 {
-        let sees = |lane: &usize| self.masks.is_none_or(|masks| masks[ids[*lane] as usize] & self.mask != 0);
-        (0..LANES).filter(sees).fold(0, |seen, lane| seen | 1 << lane) & lanes
-    }
-
     /// Tests the `wanted` triangles of a block of corners and edges; whether the ray goes on.
     #[inline(always)]
     pub(crate) fn test<const ANY: bool>(&mut self, block: &Block, wanted: u32) -> bool {
@@ -121,8 +113,10 @@ impl<'a, const MASKS: bool> LeakyRay<'a, MASKS> {
             let t = _mm256_xor_ps(dot(&second, &along), sign);
             let (least, most) = (_mm256_mul_ps(size, self.t_min), _mm256_mul_ps(size, self.end));
             let mut found = inside::<MASKS>(u, v, size, (t, least, most)) & wanted;
-            if found != 0 && self.masks.is_some() {
-                found = self.seen(&block.ids, found);
+            if let Some(masks) = self.masks
+                && found != 0
+            {
+                found = seen(masks, self.mask, block.ids, found);
             }
             if found == 0 {
                 return true;
@@ -151,6 +145,14 @@ impl<'a, const MASKS: bool> LeakyRay<'a, MASKS> {
         }
         true
     }
+}
+
+/// Which of these lanes hold triangles that a ray sees. The ray itself stays in registers.
+#[cold]
+#[inline(never)]
+fn seen(masks: &[u32], mask: u32, ids: [u32; LANES], lanes: u32) -> u32 {
+    let sees = |lane: &usize| masks[ids[*lane] as usize] & mask != 0;
+    (0..LANES).filter(sees).fold(0, |seen, lane| seen | 1 << lane) & lanes
 }
 
 /// `t`, `u` and `v` of eight triangles.
