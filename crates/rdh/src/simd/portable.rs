@@ -65,14 +65,11 @@ impl Kernels for Portable {
     }
 
     #[inline(always)]
-    fn inside(Eight { w, .. }: &Eight, wanted: u32) -> u32 {
-        let mut outside = 0;
-        for i in 0..LANES {
-            // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing.
-            let below = w[0][i] < 0.0 || w[1][i] < 0.0 || w[2][i] < 0.0;
-            let above = w[0][i] > 0.0 || w[1][i] > 0.0 || w[2][i] > 0.0;
-            outside |= u32::from(below && above) << i;
-        }
+    fn inside(Eight { w: [u, v, w], .. }: &Eight, wanted: u32) -> u32 {
+        // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing.
+        let below = |i: usize| u[i] < 0.0 || v[i] < 0.0 || w[i] < 0.0;
+        let above = |i: usize| u[i] > 0.0 || v[i] > 0.0 || w[i] > 0.0;
+        let outside = (0..LANES).fold(0, |outside, i| outside | u32::from(below(i) && above(i)) << i);
         !outside & wanted
     }
 
