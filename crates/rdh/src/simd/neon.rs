@@ -77,7 +77,7 @@ impl Kernels for Neon {
     fn reached(frame: &Frame, halves: &[Half; 2], inside: u32, interval: (f32, f32)) -> Sifted {
         let one = |w: F32, lane: usize| numbers(w)[lane & 3];
         let sheared = |lane: usize| Sheared {
-            w: halves[lane / 4 & 1].w.map(|w| one(w, lane)),
+            w: halves[(lane / 4) & 1].w.map(|w| one(w, lane)),
             corners: Self::corners(halves, lane),
         };
         reach::reached(inside, sheared, frame.ray.direction_z, interval)
@@ -85,7 +85,7 @@ impl Kernels for Neon {
 
     #[inline(always)]
     fn corners(halves: &[Half; 2], lane: usize) -> [Vec3; 3] {
-        halves[lane / 4 & 1].corners.map(|corner| corner.map(|x| numbers(x)[lane & 3]))
+        halves[(lane / 4) & 1].corners.map(|corner| corner.map(|x| numbers(x)[lane & 3]))
     }
 
     #[inline(always)]
