@@ -170,6 +170,25 @@ impl Accel {
         each!(&self.structure, tree => tree.occluded(ray, &mut ()))
     }
 
+    /// TEMP
+    #[doc(hidden)]
+    pub fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
+        match &self.structure {
+            Structure::Bvh8(tree) => tree.closest_part(rays, hits, width),
+            Structure::Compact8(tree) => tree.closest_part(rays, hits, width),
+            _ => {}
+        }
+    }
+    /// TEMP
+    #[doc(hidden)]
+    pub fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
+        match &self.structure {
+            Structure::Bvh8(tree) => tree.occluded_part(rays, hits, width),
+            Structure::Compact8(tree) => tree.occluded_part(rays, hits, width),
+            _ => {}
+        }
+    }
+
     /// All hits, nearest first, then by id; each shared edge counts for exactly one of its triangles.
     /// `hits` is cleared first; passing the same vector again saves allocations.
     pub fn all_hits(&self, ray: &Ray, hits: &mut Vec<Hit>) {

@@ -92,7 +92,7 @@ struct Entry {
 }
 
 /// The most entries that wait: all children but one of each node on the way down, and what was popped last.
-const STACK: usize = 7 * DEEPEST as usize + 8;
+pub(super) const STACK: usize = 7 * DEEPEST as usize + 8;
 
 /// Leads a ray through a tree, until it is done or there is nothing more.
 #[inline(always)]

@@ -96,6 +96,10 @@ impl PlaneFrame {
 
     /// Directions of a length within 2^±UNITS are left alone.
     pub(crate) const UNITS: u32 = 8;
+    /// The largest size of a component of a direction that is surely left alone, …
+    pub(crate) const LONG: f32 = ((2 << Self::UNITS) as f32).next_down();
+    /// … and the smallest one that its largest component must have.
+    pub(crate) const SHORT: f32 = 1.0 / (1 << Self::UNITS) as f32;
     /// The slack of rays that start too far away to tell planes apart.
     const FAR_SLACK: f32 = Self::FAR / (1 << 21) as f32;
 

@@ -167,7 +167,14 @@ pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) ->
 #[inline(always)]
 pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> Option<Hit> {
     let p = [shear_point(frame, *a), shear_point(frame, *b), shear_point(frame, *c)];
-    let w = edge_functions(&p);
+    let [t, u, v] = hit_sheared(&p, frame.direction_z, frame.t_min, frame.t_max)?;
+    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+}
+
+/// What is left of the test once the corners are in the ray's frame: `t`, `u` and `v`.
+#[inline(always)]
+pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, t_min: f32, t_max: f32) -> Option<Vec3> {
+    let w = edge_functions(p);
     // Without short cuts: which side a triangle shows is as good as random, and a wrong guess costs more than all of it.
     let (some_below, some_above) =
         ((w[0] < 0.0) | (w[1] < 0.0) | (w[2] < 0.0), (w[0] > 0.0) | (w[1] > 0.0) | (w[2] > 0.0));
@@ -180,13 +187,12 @@ pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> 
     }
     let depth = w[0] * f64::from(p[0][2]) + w[1] * f64::from(p[1][2]) + w[2] * f64::from(p[2][2]);
     // Adding 0 turns -0 into 0, so that equal distances have equal bits.
-    let t = (depth / (sum * f64::from(frame.direction_z))) as f32 + 0.0;
+    let t = (depth / (sum * f64::from(direction_z))) as f32 + 0.0;
     // `t` can leave f32's range; an infinite one is no hit, even for `t_max = inf`.
-    if !((t >= frame.t_min) & (t <= frame.t_max) & t.is_finite()) {
+    if !((t >= t_min) & (t <= t_max) & t.is_finite()) {
         return None;
     }
-    let (u, v) = ((w[1] / sum) as f32, (w[2] / sum) as f32);
-    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+    Some([t, (w[1] / sum) as f32, (w[2] / sum) as f32])
 }
 
 /// Whether a triangle that was hit also *owns* the crossing, so that of the triangles around a shared edge or corner exactly

@@ -2,6 +2,7 @@
 
 use std::arch::x86_64::*;
 
+use super::avx2_eight::Wide8;
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::portable::Portable;
 use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
@@ -51,6 +52,7 @@ pub(super) struct Limits {
 impl Kernels for Avx2 {
     type Frame = Frame;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frames(ray: &Ray) -> (RayFrame, Frame) {

@@ -2,6 +2,7 @@
 
 use std::arch::x86_64::*;
 
+use super::avx2_eight::Wide8;
 use super::avx2::{Avx2, Frame, Spans, spans};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::{Block, Boxes, Entered, Indices, Job, Kernels, Sifted};
@@ -28,6 +29,7 @@ impl Kernels for Avx512 {
 
     type Frame = Frame;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frames(ray: &Ray) -> (RayFrame, Frame) {

@@ -1,5 +1,6 @@
 //! 64-bit ARM with NEON: eight lanes as two registers of four.
 
+use super::eight::Plain8;
 use super::arm::*;
 use super::portable::Portable;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
@@ -50,6 +51,7 @@ pub(crate) struct WideRay {
 impl Kernels for Neon {
     type Frame = Frame;
     type BoxRay = WideRay;
+    type Eight = Plain8;
 
     #[inline(always)]
     fn frames(ray: &Ray) -> (RayFrame, Frame) {

@@ -1,5 +1,6 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
+use super::eight::Plain8;
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
@@ -16,6 +17,7 @@ pub(crate) struct Portable;
 impl Kernels for Portable {
     type Frame = RayFrame;
     type BoxRay = BoxRay;
+    type Eight = Plain8;
 
     #[inline(always)]
     fn frames(ray: &Ray) -> (RayFrame, RayFrame) {
