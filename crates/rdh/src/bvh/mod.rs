@@ -24,6 +24,7 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod strands;
 mod tile;
 mod sweep;
 pub(crate) mod trace;

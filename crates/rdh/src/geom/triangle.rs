@@ -45,15 +45,25 @@ impl RayFrame {
     pub fn new(ray: &Ray) -> Self {
         let ([x, y, z], [ox, oy, oz]) = (ray.direction, ray.origin);
         // Selected, not indexed: an array indexed by a variable would go through memory.
-        let (k, d, origin) = if x.abs() > y.abs() && x.abs() > z.abs() {
-            ([1, 2, 0], [y, z, x], [oy, oz, ox])
-        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
-            ([2, 0, 1], [z, x, y], [oz, ox, oy])
-        } else {
-            ([0, 1, 2], [x, y, z], [ox, oy, oz])
+        let (k, d, origin) = match Self::main_axis(&ray.direction) {
+            0 => ([1, 2, 0], [y, z, x], [oy, oz, ox]),
+            1 => ([2, 0, 1], [z, x, y], [oz, ox, oy]),
+            _ => ([0, 1, 2], [x, y, z], [ox, oy, oz]),
         };
         let [dx, dy, dz] = d;
         Self { k, origin, shear: [dx / dz, dy / dz], direction_z: dz, t_min: ray.t_min, t_max: ray.t_max }
+    }
+
+    /// The axis along which a ray moves most.
+    #[inline(always)]
+    pub(crate) fn main_axis(&[x, y, z]: &Vec3) -> usize {
+        if x.abs() > y.abs() && x.abs() > z.abs() {
+            0
+        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
+            1
+        } else {
+            2
+        }
     }
 
     /// A corner's coordinates along the frame's axes.

@@ -28,6 +28,7 @@ mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
+mod prefetch;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
@@ -38,6 +39,7 @@ pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
+pub(crate) use prefetch::prefetch;
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 

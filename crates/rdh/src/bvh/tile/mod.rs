@@ -5,6 +5,8 @@
 //! What the rays hit is what each would hit alone, bit for bit: see `packet`.
 
 mod beam;
+mod choice;
+mod coherence;
 mod packet;
 mod part;
 mod walk;
@@ -16,49 +18,22 @@ use crate::leaf::{Any, Closest};
 use crate::simd::{Eight, LANES};
 
 use beam::Beam;
+use choice::Choice;
 use packet::{Class, Loaded, Packet, Reach};
 
 /// Packets of a tile.
 const PACKETS: usize = 8;
 /// Rays of a tile.
-pub(crate) const RAYS: usize = PACKETS * LANES;
+const RAYS: usize = PACKETS * LANES;
 
 /// Rays that go through the tree together.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tile<E> {
+struct Tile<E> {
     packets: [Packet<E>; PACKETS],
     /// How many packets hold rays.
     count: usize,
     class: Class,
     beam: Beam<E>,
-}
-
-/// Which of a batch's rays make a tile: at most 64.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Choice {
-    rays: [u32; RAYS],
-    count: usize,
-}
-
-impl Choice {
-    /// None.
-    pub(crate) const NONE: Self = Self { rays: [0; RAYS], count: 0 };
-
-    /// One more.
-    ///
-    /// # Panics
-    /// If there are 64 already.
-    #[inline(always)]
-    pub(crate) fn push(&mut self, ray: u32) {
-        self.rays[self.count] = ray;
-        self.count += 1;
-    }
-
-    /// Those that were chosen.
-    #[inline(always)]
-    pub(crate) fn rays(&self) -> &[u32] {
-        &self.rays[..self.count.min(RAYS)]
-    }
 }
 
 /// A query that tiles can answer.
@@ -84,14 +59,14 @@ impl Packed for Any {
 impl<E: Eight> Tile<E> {
     /// Without rays.
     #[inline(always)]
-    pub(super) fn empty() -> Self {
+    fn empty() -> Self {
         let class = Class { down: 0, main: 0 };
         Self { packets: [Packet::empty(); PACKETS], count: 0, class, beam: Beam::new(&Reach::nothing(), class) }
     }
 
     /// Takes over rays, if they are usual ones of one class.
     #[inline(always)]
-    pub(super) fn fill(&mut self, rays: &[Ray], choice: &Choice, magnitude: f32) -> bool {
+    fn fill(&mut self, rays: &[Ray], choice: &Choice, magnitude: f32, masks: bool) -> bool {
         let chosen = choice.rays();
         let Some(&last) = chosen.last() else { return false };
         let count = chosen.len().div_ceil(LANES);
@@ -117,9 +92,11 @@ impl<E: Eight> Tile<E> {
         let mut reach = Reach::nothing();
         for (i, packet) in self.packets[..count].iter_mut().enumerate() {
             let filled = (chosen.len() - LANES * i).min(LANES);
-            let mask = |lane: usize| rays[chosen.get(LANES * i + lane).copied().unwrap_or(last) as usize].mask;
-            let masks = [mask(0), mask(1), mask(2), mask(3), mask(4), mask(5), mask(6), mask(7)];
-            packet.fill(&loaded[i], masks, (1 << filled) - 1, self.class, magnitude, &mut reach);
+            packet.fill(&loaded[i], (1 << filled) - 1, self.class, magnitude, &mut reach);
+            if masks {
+                let chosen = &chosen[LANES * i..];
+                packet.see(std::array::from_fn(|lane| chosen.get(lane).map_or(0, |&ray| rays[ray as usize].mask)));
+            }
         }
         self.beam = Beam::new(&reach, self.class);
         true

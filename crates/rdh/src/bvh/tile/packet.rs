@@ -111,7 +111,7 @@ pub(crate) struct Packet<E> {
     tri: E,
     /// Rays that have hit something, a bit a lane.
     hit: u32,
-    /// Their masks.
+    /// Their masks; only known where triangles have some.
     masks: [u32; LANES],
 }
 
@@ -298,7 +298,6 @@ impl<E: Eight> Packet<E> {
     pub(super) fn fill(
         &mut self,
         rays: &Loaded<E>,
-        masks: [u32; LANES],
         filled: u32,
         class: Class,
         magnitude: f32,
@@ -338,6 +337,10 @@ impl<E: Eight> Packet<E> {
             depths: Limits::new(rays.t_min, rays.t_max, direction_z),
         };
         self.hit = 0;
+    }
+
+    /// Takes over the rays' masks.
+    pub(super) fn see(&mut self, masks: [u32; LANES]) {
         self.masks = masks;
     }
 
