@@ -1,7 +1,7 @@
 //! Which of a batch's rays make a tile.
 
 use super::RAYS;
-use crate::geom::Ray;
+use crate::geom::{PlaneFrame, Ray, RayFrame};
 
 /// At most 64 of a batch's rays, by their numbers.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,7 @@ impl Choice {
         &self.rays[..self.count.min(RAYS)]
     }
 
-    /// Those that run in the octant and along the axis of the first one, and the others.
+    /// Those that are of the first one's class, and the others.
     pub(super) fn first_class(&self, rays: &[Ray]) -> (Self, Self) {
         let first = self.rays().first().map(|&ray| class(&rays[ray as usize]));
         let (mut same, mut others) = (Self::NONE, Self::NONE);
@@ -56,9 +56,9 @@ impl Choice {
     }
 }
 
-/// A ray's octant and longest axis.
-fn class(ray: &Ray) -> (u32, usize) {
+/// A ray's octant and longest axis, and whether it needs no care.
+fn class(ray: &Ray) -> (u32, usize, bool) {
     let sign = |x: f32| x.to_bits() >> 31;
     let [x, y, z] = ray.direction;
-    (sign(x) | sign(y) << 1 | sign(z) << 2, crate::geom::RayFrame::main_axis(&ray.direction))
+    (sign(x) | sign(y) << 1 | sign(z) << 2, RayFrame::main_axis(&ray.direction), PlaneFrame::is_usual(ray))
 }

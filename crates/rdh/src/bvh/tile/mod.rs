@@ -7,6 +7,7 @@
 mod beam;
 mod choice;
 mod coherence;
+mod effort;
 mod packet;
 mod part;
 mod walk;
@@ -19,6 +20,7 @@ use crate::simd::{Eight, LANES};
 
 use beam::Beam;
 use choice::Choice;
+use effort::Effort;
 use packet::{Class, Loaded, Packet, Reach};
 
 /// Packets of a tile.
@@ -34,6 +36,7 @@ struct Tile<E> {
     count: usize,
     class: Class,
     beam: Beam<E>,
+    effort: Effort,
 }
 
 /// A query that tiles can answer.
@@ -60,8 +63,9 @@ impl<E: Eight> Tile<E> {
     /// Without rays.
     #[inline(always)]
     fn empty() -> Self {
-        let class = Class { down: 0, main: 0 };
-        Self { packets: [Packet::empty(); PACKETS], count: 0, class, beam: Beam::new(&Reach::nothing(), class) }
+        let class = Class::new(0, 0);
+        let (packets, beam) = ([Packet::empty(); PACKETS], Beam::new(&Reach::nothing(), class));
+        Self { packets, count: 0, class, beam, effort: Effort::default() }
     }
 
     /// Takes over rays, if they are usual ones of one class.
@@ -87,8 +91,9 @@ impl<E: Eight> Tile<E> {
         }
         let down = (all[0] & 1) | (all[1] & 1) << 1 | (all[2] & 1) << 2;
         let main = if all[3] != 0 { 0 } else if all[4] != 0 { 1 } else { 2 };
-        self.class = Class { down, main };
+        self.class = Class::new(down, main);
         self.count = count;
+        self.effort = Effort::of(chosen.len());
         let mut reach = Reach::nothing();
         for (i, packet) in self.packets[..count].iter_mut().enumerate() {
             let filled = (chosen.len() - LANES * i).min(LANES);
@@ -100,5 +105,74 @@ impl<E: Eight> Tile<E> {
         }
         self.beam = Beam::new(&reach, self.class);
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{Bvh, BvhSpec, Copies};
+    use crate::simd::{Job, Kernels, Level};
+    use crate::{BuildOptions, Mesh};
+
+    /// What a tile finds, if it is one.
+    struct Alone<'a>(&'a Bvh<8, Copies>, &'a [Ray]);
+
+    impl Job for Alone<'_> {
+        type Output = Option<Vec<Option<Hit>>>;
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Self::Output {
+            let mut tile = Tile::<K::Eight>::empty();
+            if !tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, false) {
+                return None;
+            }
+            tile.walk::<K, Closest, Copies>(self.0);
+            let hits = (0..self.1.len()).map(|i| Closest::read(&tile.packets[i / LANES], i % LANES));
+            Some(hits.collect())
+        }
+    }
+
+    /// Triangles side by side, at z = 0 and behind.
+    fn tree() -> Bvh<8, Copies> {
+        let at = |i: usize| [(i % 20) as f32, (i / 20 % 20) as f32, (i / 400) as f32];
+        let corner = |i: usize, c: usize| [0, 1, 2].map(|a| at(i)[a] + if a + 1 == c { 0.9 } else { 0.0 });
+        let positions = (0..1200).flat_map(|i| [0, 1, 2].map(|c| corner(i, c))).collect();
+        let mesh = Mesh::new(positions, (0..1200).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).unwrap();
+        Bvh::build(&mesh, &BvhSpec::default(), None, &BuildOptions::default()).unwrap()
+    }
+
+    fn fan(count: usize) -> Vec<Ray> {
+        let ray = |i: usize| Ray::new([8.3, 7.1, -9.0], [(i % 8) as f32 * 0.02 + 0.01, (i / 8) as f32 * 0.02, 1.0]);
+        (0..count).map(ray).collect()
+    }
+
+    #[test]
+    fn tiles_are_made_and_find_what_rays_find() {
+        let tree = tree();
+        for count in [1, 7, 8, 9, 40, 64] {
+            let rays = fan(count);
+            let expected: Vec<_> = rays.iter().map(|ray| tree.closest(ray, &mut ())).collect();
+            assert!(count < 40 || expected.iter().flatten().count() > 10);
+            for level in Level::available() {
+                assert_eq!(level.run(Alone(&tree, &rays)), Some(expected.clone()), "{count}, {}", level.name());
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_several_classes_and_unusual_ones_are_no_tile() {
+        let tree = tree();
+        let (usual, mut turned, mut long, mut empty) = (fan(64), fan(64), fan(64), fan(64));
+        turned[3].direction[0] *= -1.0;
+        long[63].direction = long[63].direction.map(|x| x * 1e20);
+        empty[17].t_min = f32::NAN;
+        let mut steep = fan(64);
+        steep[40].direction = [0.1, 2.0, 1.0];
+        for level in Level::available() {
+            let is_tile = |rays: &[Ray]| level.run(Alone(&tree, rays)).is_some();
+            let tiles = [&usual, &turned, &long, &empty, &steep].map(|rays| is_tile(rays));
+            assert_eq!(tiles, [true, false, false, false, false], "{}", level.name());
+        }
     }
 }

@@ -11,15 +11,15 @@ use crate::simd::{Block, Boxes, Eight, Hits, LANES};
 pub(super) struct Class {
     /// A bit an axis: 1 where they run down the axis.
     pub(super) down: u32,
-    /// Along which axis they move most.
-    pub(super) main: usize,
+    /// The axes of their frames.
+    axes: [usize; 3],
 }
 
 impl Class {
-    /// The axes of the rays' frames.
+    /// Rays that run down some axes, and along one most.
     #[inline(always)]
-    fn axes(self) -> [usize; 3] {
-        [[1, 2, 0], [2, 0, 1], [0, 1, 2]][self.main.min(2)]
+    pub(super) fn new(down: u32, main: usize) -> Self {
+        Self { down, axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][main.min(2)] }
     }
 
     /// 1 where they meet a box's upper plane first.
@@ -327,7 +327,7 @@ impl<E: Eight> Packet<E> {
         self.end = E::mask(filled).select(rays.t_max, E::splat(f32::NEG_INFINITY));
         reach.t_min = reach.t_min.min(self.t_min);
         reach.t_max = reach.t_max.max(self.end);
-        let [kx, ky, kz] = class.axes();
+        let [kx, ky, kz] = class.axes;
         let direction_z = rays.direction[kz];
         self.aim = Aim {
             origin: [rays.origin[kx], rays.origin[ky], rays.origin[kz]],
@@ -401,7 +401,7 @@ impl<E: Eight> Packet<E> {
         while wanted != 0 {
             let i = wanted.trailing_zeros() as usize & (LANES - 1);
             wanted &= wanted - 1;
-            let corners = self.aim.shear(&corners_of(leaf.block, i, class.axes()));
+            let corners = self.aim.shear(&corners_of(leaf.block, i, class.axes));
             let (possible, certain) = self.aim.sift::<ANY>(&corners);
             let id = leaf.block.ids[i];
             if ANY && certain & rays != 0 && leaf.masks.is_none() {
@@ -430,7 +430,7 @@ impl<E: Eight> Packet<E> {
 
     #[inline(always)]
     fn test_rays<const ANY: bool>(&mut self, leaf: &Leaf<'_>, mut rays: u32, class: Class) -> bool {
-        let (axes, block) = (class.axes(), leaf.block);
+        let (axes, block) = (class.axes, leaf.block);
         let [a, b, c] = &block.corners;
         let corners = [rows_of(a, axes), rows_of(b, axes), rows_of(c, axes)];
         let mut moved = false;

@@ -1,6 +1,7 @@
 //! A part of a batch, as one thread casts it: in tiles where rays are coherent, by turns where they have no order, else one by one.
 
 use super::coherence::Extent;
+use super::effort::Patience;
 use super::{Choice, Packed, RAYS, Tile};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::Leaves;
@@ -29,7 +30,7 @@ impl<C: Packed, L: Leaves> Job for Part<'_, C, L> {
         let mut tile = Tile::<K::Eight>::empty();
         let mut others = Others { rays: [0; OTHERS], count: 0 };
         let mut windows = Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() };
-        let mut mixed: Option<Choice> = None;
+        let (mut patience, mut mixed) = (Patience::default(), None::<Choice>);
         let mut done = false;
         while !done {
             let is_class = mixed.is_some();
@@ -42,10 +43,12 @@ impl<C: Packed, L: Leaves> Job for Part<'_, C, L> {
                 None => windows.next(),
             };
             let which = choice.rays();
-            let suits = has_tiles && which.len() >= FEWEST && (is_class || extent.is_coherent(self.rays, which));
+            let may = has_tiles && which.len() >= FEWEST;
+            let suits = may && (is_class || extent.is_coherent(self.rays, which) && patience.tries());
             if suits && tile.fill(self.rays, &choice, self.tree.magnitude, masks) {
                 tile.walk::<K, C, L>(self.tree);
                 self.read(&tile, which);
+                patience.note(tile.effort.has_paid());
             } else if suits && !is_class {
                 mixed = Some(choice);
             } else {

@@ -42,6 +42,7 @@ impl<E: Eight> Tile<E> {
                 let leaf = Leaf { block, wanted: link.lanes(), masks: tree.masks.as_deref() };
                 self.test::<C>(&leaf, &planes, entry);
             } else if let Some(entry) = self.narrow(&planes, entry) {
+                self.effort.node();
                 self.enter::<C, L>(tree, entry, link.index(), &mut stack, &mut t);
             }
         }
@@ -92,6 +93,7 @@ impl<E: Eight> Tile<E> {
         let mut moved = false;
         for packet in &mut self.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
             let rays = packet.meet(planes);
+            self.effort.leaf(rays, leaf.wanted);
             if rays != 0 {
                 moved |= if C::ANY {
                     packet.test::<true>(leaf, rays, self.class)
