@@ -129,3 +129,49 @@ impl Check<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eye::EyeOptions;
+    use crate::geom::Ray;
+    use crate::options::BuildOptions;
+    use crate::rays::Training;
+
+    /// A curved sheet before the eye, and another behind it.
+    fn sheets() -> Mesh {
+        const N: u32 = 24;
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for z in [2.0, 3.0] {
+            let first = positions.len() as u32;
+            for i in 0..=N * N + 2 * N {
+                let (x, y) = ((i % (N + 1)) as f32 / 10.0 - 1.2, (i / (N + 1)) as f32 / 10.0 - 1.2);
+                positions.push([x, y, z + 0.1 * x * y]);
+            }
+            for i in (0..N * (N + 1)).filter(|i| i % (N + 1) != N) {
+                let i = first + i;
+                triangles.extend([[i, i + 1, i + N + 1], [i + 1, i + N + 2, i + N + 1]]);
+            }
+        }
+        Mesh::new(positions, triangles).unwrap()
+    }
+
+    #[test]
+    fn a_broken_tree_is_noticed() {
+        let world = crate::build(&sheets(), &"bvh8".parse().unwrap(), &Training::none(), &BuildOptions::default()).unwrap();
+        let options = (EyeOptions::default(), BuildOptions::default());
+        let whole = EyeTree::build(world, [0.0; 3], &Training::none(), &options.0, &options.1).unwrap();
+        assert!(whole.closest(&Ray::new([0.0; 3], [0.1, 0.2, 1.0])).is_some());
+        let broken = |break_it: fn(&mut Face)| {
+            let mut tree = whole.clone();
+            break_it(tree.faces[4].as_mut().unwrap());
+            !tree.check().is_empty()
+        };
+        assert!(!broken(|_| {}));
+        assert!(broken(|f| f.corners[3][1][0] += 1.0));
+        assert!(broken(|f| f.entries.truncate(f.entries.len() / 2)));
+        assert!(broken(|f| f.entries.iter_mut().for_each(|e| e.sight = 0)));
+        assert!(broken(|f| f.pairs[0] = [f.root; 2]));
+        assert!(broken(|f| f.entries.reverse()));
+    }
+}

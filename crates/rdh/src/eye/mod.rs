@@ -27,8 +27,6 @@ mod shadow;
 mod side;
 mod spec;
 mod split;
-#[cfg(test)]
-mod tests;
 mod tile;
 mod towards;
 mod trace;
@@ -118,6 +116,19 @@ impl EyeTree {
             bytes: self.bytes(),
             trained_on: self.trained_on,
         }
+    }
+
+    /// The trees' arrays as a number: equal for equal trees.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        for face in self.faces.iter().flatten() {
+            hash.update(&[face.side.index() as u8]);
+            hash.update(bytemuck::bytes_of(&face.root));
+            hash.update(bytemuck::cast_slice(&face.pairs));
+            hash.update(bytemuck::cast_slice(&face.entries));
+            hash.update(bytemuck::cast_slice(&face.sights));
+        }
+        hash.digest()
     }
 
     /// Bytes of the trees, without the structure for all other rays.

