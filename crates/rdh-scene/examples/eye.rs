@@ -28,7 +28,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             _ => plan.scenes.push(argument),
         }
     }
-    println!("ns a ray: hierarchy alone | eye alone, eye together, by areas | the same by rays; builds in ms (one thread)");
+    println!(
+        "ns a ray: hierarchy alone | eye alone, eye together, by areas | the same by rays; builds in ms (one thread)"
+    );
     for name in &plan.scenes {
         plan.scene(name)?;
     }
@@ -59,7 +61,8 @@ impl Plan {
         let world = world?;
         println!("{name}: {} triangles, hierarchy {:.0} ms", mesh.len(), build / 1e6);
         let camera = Camera::new(view, scene.origin, 1.0);
-        let rows: Vec<Ray> = (0..self.size * self.size).map(|i| self.pixel(&camera, i % self.size, i / self.size)).collect();
+        let rows: Vec<Ray> =
+            (0..self.size * self.size).map(|i| self.pixel(&camera, i % self.size, i / self.size)).collect();
         let lidar = scanner(camera.eye(), scene.up, view);
         let tiles = in_tiles(&rows, self.size);
         let shadow = shadows(&scene, &world, &tiles);
@@ -179,7 +182,8 @@ fn in_tiles(rows: &[Ray], size: usize) -> Vec<Ray> {
 /// 64 beams, 45° from top to bottom, in 2048 firings.
 fn scanner(eye: Vec3, up: [f64; 3], view: &View) -> Vec<Ray> {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let unit = |a: [f64; 3]| a.map(|x| x / dot(a, a).sqrt());
     let up = unit(up);
     let look = [0, 1, 2].map(|a| view.target[a] - view.eye[a]);

@@ -19,12 +19,16 @@ fn sphere(radius: f32, at: Vec3, rings: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let segments = 2 * rings;
     for i in 0..=rings {
         for j in 0..segments {
-            let (a, b) = (
-                std::f32::consts::PI * i as f32 / rings as f32,
-                std::f32::consts::TAU * j as f32 / segments as f32,
-            );
+            let (a, b) =
+                (std::f32::consts::PI * i as f32 / rings as f32, std::f32::consts::TAU * j as f32 / segments as f32);
             let p = [a.sin() * b.cos(), a.sin() * b.sin(), a.cos()];
-            let p = if i == 0 { [0.0, 0.0, 1.0] } else if i == rings { [0.0, 0.0, -1.0] } else { p };
+            let p = if i == 0 {
+                [0.0, 0.0, 1.0]
+            } else if i == rings {
+                [0.0, 0.0, -1.0]
+            } else {
+                p
+            };
             positions.push([0, 1, 2].map(|k| at[k] + radius * p[k]));
         }
     }
@@ -206,7 +210,9 @@ fn rays_to(mesh: &Mesh, light: Vec3, seed: u64) -> Vec<Ray> {
 #[test]
 fn rays_towards_a_light_are_stopped_by_what_stops_them() {
     let mesh = scene(1.0, 0.0);
-    for (i, light) in [[0.1, 0.2, 0.3], [0.5, -0.25, -1.0], mesh.positions()[400], [9.0, 9.0, 9.0]].into_iter().enumerate() {
+    for (i, light) in
+        [[0.1, 0.2, 0.3], [0.5, -0.25, -1.0], mesh.positions()[400], [9.0, 9.0, 9.0]].into_iter().enumerate()
+    {
         let tree = tree(&mesh, light, EyeForm::Towards);
         well_formed(&tree);
         let rays = rays_to(&mesh, light, i as u64);
@@ -216,7 +222,9 @@ fn rays_towards_a_light_are_stopped_by_what_stops_them() {
 
 #[test]
 fn any_size_and_any_place() {
-    for (scale, offset) in [(1e-12, 0.0), (1e12, 0.0), (1.0, 1000.0), (1.0, 1e6), (1e-30, 0.0), (1e30, 0.0), (1e-3, 1.0)] {
+    for (scale, offset) in
+        [(1e-12, 0.0), (1e12, 0.0), (1.0, 1000.0), (1.0, 1e6), (1e-30, 0.0), (1e30, 0.0), (1e-3, 1.0)]
+    {
         let mesh = scene(scale, offset);
         let eye = [0.1, 0.2, 0.3].map(|x: f32| x * scale + offset);
         let rays: Vec<Ray> = rays_from(&mesh, eye, 1).into_iter().step_by(5).collect();

@@ -42,10 +42,7 @@ impl Cell {
 
     /// This cell, grown to hold a place.
     pub(super) fn with(self, place: [f32; 2]) -> Self {
-        Self {
-            low: [0, 1].map(|a| self.low[a].min(place[a])),
-            high: [0, 1].map(|a| self.high[a].max(place[a])),
-        }
+        Self { low: [0, 1].map(|a| self.low[a].min(place[a])), high: [0, 1].map(|a| self.high[a].max(place[a])) }
     }
 
     /// The smallest and the largest value of a linear form in the cell.

@@ -59,9 +59,12 @@ impl Check<'_> {
             let bits = |c: [f32; 3]| c.map(f32::to_bits);
             let faithful = (sight.id as usize) < self.mesh.len()
                 && corners[0][3].to_bits() == sight.id
-                && self.mesh.corners(TriId(sight.id)).iter().zip(corners).all(|(c, [x, y, z, _])| {
-                    bits(self.face.side.along(c)) == bits([*x, *y, *z])
-                });
+                && self
+                    .mesh
+                    .corners(TriId(sight.id))
+                    .iter()
+                    .zip(corners)
+                    .all(|(c, [x, y, z, _])| bits(self.face.side.along(c)) == bits([*x, *y, *z]));
             if !faithful {
                 self.add(format!("sight {i}: differs from the mesh"));
             }
@@ -158,7 +161,8 @@ mod tests {
 
     #[test]
     fn a_broken_tree_is_noticed() {
-        let world = crate::build(&sheets(), &"bvh8".parse().unwrap(), &Training::none(), &BuildOptions::default()).unwrap();
+        let world =
+            crate::build(&sheets(), &"bvh8".parse().unwrap(), &Training::none(), &BuildOptions::default()).unwrap();
         let options = (EyeOptions::default(), BuildOptions::default());
         let whole = EyeTree::build(world, [0.0; 3], &Training::none(), &options.0, &options.1).unwrap();
         assert!(whole.closest(&Ray::new([0.0; 3], [0.1, 0.2, 1.0])).is_some());

@@ -80,7 +80,7 @@ impl Face {
     /// nothing to do with most cells.
     #[inline(always)]
     pub(super) fn takes(&self, low: [f32; 2], high: [f32; 2]) -> bool {
-        const WIDEST: f32 = 64.0;
+        const WIDEST: f32 = 256.0;
         let area = (high[0] - low[0] + self.foot) * (high[1] - low[1] + self.foot);
         self.window.has(low[0], low[1]) && self.window.has(high[0], high[1]) && area <= WIDEST * self.foot * self.foot
     }

@@ -117,7 +117,13 @@ impl Grower<'_> {
     }
 
     /// The triangles of both parts.
-    fn send(&self, todo: &Todo, split: &split::Split, low: &Cell, high: &Cell) -> Result<(Vec<Reference>, Vec<Reference>)> {
+    fn send(
+        &self,
+        todo: &Todo,
+        split: &split::Split,
+        low: &Cell,
+        high: &Cell,
+    ) -> Result<(Vec<Reference>, Vec<Reference>)> {
         let (mut left, mut right) = (Vec::new(), Vec::new());
         reserve(&mut left, todo.refs.len(), "references")?;
         for r in &todo.refs {

@@ -3,6 +3,7 @@
 use super::EyeTree;
 use super::face::Face;
 use super::side::Side;
+use super::towards::Approach;
 use super::walk::{Leaves, WalkSlots};
 use crate::geom::{Ray, RayFrame};
 use crate::simd::{Entry, Job, Kernels, RAYS, Shade, Views, step_of};
@@ -26,14 +27,14 @@ impl Job for Occluded<'_> {
     fn run<K: Kernels>(self) {
         let mut tile = Tile::NEW;
         for (rays, found) in self.rays.chunks(TILE).zip(self.found.chunks_mut(TILE)) {
-            // Strays are answered at once, the others side by side.
-            let mut sides = [Side::COUNT as u8; TILE];
             let mut wanted = 0u8;
             for (i, ray) in rays.iter().enumerate() {
-                match tree_side(self.tree, ray) {
-                    Some(side) => {
-                        sides[i] = side.index() as u8;
-                        wanted |= 1 << side.index();
+                tile.sides[i] = Tile::STRAY;
+                match self.tree.approaching(ray) {
+                    Some((face, frame, approach)) => {
+                        (tile.frames[i], tile.approaches[i]) = (frame, approach);
+                        tile.sides[i] = face.side.index() as u8;
+                        wanted |= 1 << face.side.index();
                     }
                     None => found[i] = self.tree.occluded(ray),
                 }
@@ -41,7 +42,7 @@ impl Job for Occluded<'_> {
             while wanted != 0 {
                 let side = wanted.trailing_zeros() as u8;
                 wanted &= wanted - 1;
-                tile.take(self.tree, rays, &sides, side, found);
+                tile.take(rays.len(), side);
                 if let Some(face) = &self.tree.faces[side as usize] {
                     one_side::<K>(self.tree, face, rays, found, &mut tile);
                 }
@@ -50,18 +51,15 @@ impl Job for Occluded<'_> {
     }
 }
 
-/// The side whose face may answer a ray.
-#[inline(always)]
-fn tree_side(tree: &EyeTree, ray: &Ray) -> Option<Side> {
-    let side = Side::of(&RayFrame::new(ray)).opposite();
-    (ray.is_valid() && tree.faces[side.index()].is_some() && tree.form == super::EyeForm::Towards).then_some(side)
-}
-
 /// Rays from one side.
 struct Tile {
     octets: [Shade; OCTETS],
     views: Views,
+    /// Of all rays of the chunk: what they are made ready to, and the side of each.
     frames: [RayFrame; TILE],
+    approaches: [Approach; TILE],
+    sides: [u8; TILE],
+    /// Which of them each ray of the tile is.
     order: [u8; TILE],
     len: usize,
     low: [f32; 2],
@@ -83,10 +81,15 @@ const NO_FRAME: RayFrame =
     RayFrame { k: [0, 1, 2], origin: [0.0; 3], shear: [0.0; 2], direction_z: 1.0, t_min: 0.0, t_max: 0.0 };
 
 impl Tile {
+    /// The side of rays that are answered elsewhere.
+    const STRAY: u8 = Side::COUNT as u8;
+
     const NEW: Self = Self {
         octets: [DONE; OCTETS],
         views: Views::NONE,
         frames: [NO_FRAME; TILE],
+        approaches: [Approach { far: 0.0, far_surely: 0.0, near_surely: 0.0 }; TILE],
+        sides: [Self::STRAY; TILE],
         order: [0; TILE],
         len: 0,
         low: [0.0; 2],
@@ -95,26 +98,25 @@ impl Tile {
         done: [0; OCTETS],
     };
 
-    /// Takes in the rays of one side; those that don't pass by the eye closely enough are answered at once.
+    /// Takes in the rays of one side.
     #[inline(always)]
-    fn take(&mut self, tree: &EyeTree, rays: &[Ray], sides: &[u8; TILE], side: u8, found: &mut [bool]) {
+    fn take(&mut self, rays: usize, side: u8) {
         self.len = 0;
         (self.low, self.high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         (self.views, self.octets) = (Views::NONE, [DONE; OCTETS]);
         (self.beyond, self.done) = ([0; OCTETS], [0; OCTETS]);
-        for (i, ray) in rays.iter().enumerate().filter(|&(i, _)| sides[i] == side) {
-            let Some((_, frame, approach)) = tree.approaching(ray) else {
-                found[i] = tree.occluded(ray);
+        for i in 0..rays {
+            if self.sides[i] != side {
                 continue;
-            };
+            }
+            let (shear, approach) = (self.frames[i].shear, self.approaches[i]);
             let (octet, lane) = (self.len / RAYS, self.len % RAYS);
             let shade = &mut self.octets[octet];
-            [shade.u[lane], shade.v[lane]] = frame.shear;
+            [shade.u[lane], shade.v[lane]] = shear;
             (shade.far[lane], shade.far_surely[lane]) = (approach.far, approach.far_surely);
             shade.near_surely[lane] = approach.near_surely;
-            self.frames[self.len] = frame;
             self.order[self.len] = i as u8;
-            for (a, &x) in frame.shear.iter().enumerate() {
+            for (a, &x) in shear.iter().enumerate() {
                 let step = step_of(x);
                 let (low, high) = (&mut self.views.low[a][octet], &mut self.views.high[a][octet]);
                 (*low, *high) = ((*low).min(step), (*high).max(step));
@@ -191,9 +193,9 @@ fn look(tree: &EyeTree, face: &Face, entry: &Entry, octet: usize, lanes: u32, ra
     while left != 0 {
         let lane = left.trailing_zeros() as usize & (RAYS - 1);
         left &= left - 1;
-        let i = octet * RAYS + lane;
+        let i = tile.order[octet * RAYS + lane] as usize;
         let shade = &tile.octets[octet];
-        if tree.stops(face, entry.sight, &tile.frames[i], &rays[tile.order[i] as usize]) {
+        if tree.stops(face, entry.sight, &tile.frames[i], &rays[i]) {
             stopped |= 1 << lane;
         } else if sight.span(shade.u[lane], shade.v[lane]).1 >= shade.near_surely[lane] {
             tile.beyond[octet] |= 1 << lane;

@@ -12,7 +12,7 @@
 use super::EyeTree;
 use super::face::Face;
 use super::walk::{Leaves, WalkSlots};
-use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, Vec3};
+use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, Vec3, larger, smaller};
 use crate::simd::{Aims, Job, Kernels, Met, Octet, RAYS, Views, step_of};
 
 /// Octets of a tile.
@@ -76,8 +76,7 @@ impl Tile {
 #[inline(always)]
 fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
     let octets = rays.len().div_ceil(RAYS);
-    let mut all = [NO_AIMS; OCTETS];
-    for (aims, rays) in all.iter_mut().zip(rays.chunks(RAYS)) {
+    for (aims, rays) in tile.aims.iter_mut().zip(rays.chunks(RAYS)) {
         match rays.first_chunk::<RAYS>() {
             Some(eight) => K::aim(eight, &tree.eye, aims),
             None => {
@@ -87,21 +86,21 @@ fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], t
             }
         }
     }
-    let side = all[0].side[0];
+    let side = tile.aims[0].side[0];
     let mut others = 0;
-    for aims in &all[..octets] {
+    for aims in &tile.aims[..octets] {
         for i in 0..RAYS {
             others |= aims.side[i] ^ side;
         }
     }
     if others == 0 && side != Aims::STRAY {
-        tile.aims = all;
         tile.len = rays.len();
         for (i, place) in tile.order.iter_mut().enumerate() {
             *place = i as u8;
         }
         return one_side::<K>(tree, side, rays, hits, tile);
     }
+    let all = tile.aims;
     for side in 0..=Aims::STRAY {
         gather(&all, rays.len(), side, tile);
         if tile.len > 0 && side != Aims::STRAY {
@@ -176,8 +175,8 @@ fn frame(tile: &mut Tile) {
             let (low, high) = ends(&aims.shear[a]);
             tile.views.low[a][i] = step_of(low);
             tile.views.high[a][i] = step_of(high);
-            tile.low[a] = tile.low[a].min(low);
-            tile.high[a] = tile.high[a].max(high);
+            tile.low[a] = smaller(low, tile.low[a]);
+            tile.high[a] = larger(high, tile.high[a]);
         }
     }
 }
@@ -185,12 +184,15 @@ fn frame(tile: &mut Tile) {
 /// The smallest and the largest of eight numbers.
 #[inline(always)]
 fn ends(x: &[f32; RAYS]) -> (f32, f32) {
-    let (mut low, mut high) = (x[0], x[0]);
-    for &x in &x[1..] {
-        low = if x < low { x } else { low };
-        high = if x > high { x } else { high };
+    // By halves, as vectors do it.
+    let (mut low, mut high) = (*x, *x);
+    for half in [4, 2, 1] {
+        for i in 0..half {
+            low[i] = smaller(low[i], low[i + half]);
+            high[i] = larger(high[i], high[i + half]);
+        }
     }
-    (low, high)
+    (low[0], high[0])
 }
 
 /// Compares a tile's rays with all triangles that may be the first for any of them.

@@ -68,7 +68,8 @@ impl EyeTree {
             if entry.near < least {
                 break;
             }
-            let beside = (entry.low[0] > column) | (entry.high[0] < column) | (entry.low[1] > row) | (entry.high[1] < row);
+            let beside =
+                (entry.low[0] > column) | (entry.high[0] < column) | (entry.low[1] > row) | (entry.high[1] < row);
             let sight = &face.sights[entry.sight as usize];
             if beside || !may_hit(sight, u, v, least) || !self.sees(sight.id, ray) {
                 continue;

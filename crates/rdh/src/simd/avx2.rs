@@ -3,10 +3,11 @@
 use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
-use super::portable::Portable;
 use super::avx2_sight;
+use super::portable::Portable;
 use super::{
-    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted, Sight, Views,
+    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted, Sight,
+    Views,
 };
 use crate::geom::{Depths, Ray, RayFrame, Scale, Vec3};
 

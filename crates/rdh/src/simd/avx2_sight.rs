@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::sight::{self, Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views};
 use super::Sifted;
+use super::sight::{self, Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views};
 use crate::geom::{Ray, Vec3};
 
 // SAFETY, for every block below: these functions are called by `Avx2` and `Avx512` alone, whose callers have made sure of the
@@ -16,14 +16,10 @@ pub(super) fn in_view(entry: &Entry, views: &Views) -> u32 {
     unsafe {
         let (low_u, low_v) = (_mm_set1_epi16(entry.low[0]), _mm_set1_epi16(entry.low[1]));
         let (high_u, high_v) = (_mm_set1_epi16(entry.high[0]), _mm_set1_epi16(entry.high[1]));
-        let beside_u = _mm_or_si128(
-            _mm_cmpgt_epi16(low_u, row(&views.high[0])),
-            _mm_cmpgt_epi16(row(&views.low[0]), high_u),
-        );
-        let beside_v = _mm_or_si128(
-            _mm_cmpgt_epi16(low_v, row(&views.high[1])),
-            _mm_cmpgt_epi16(row(&views.low[1]), high_v),
-        );
+        let beside_u =
+            _mm_or_si128(_mm_cmpgt_epi16(low_u, row(&views.high[0])), _mm_cmpgt_epi16(row(&views.low[0]), high_u));
+        let beside_v =
+            _mm_or_si128(_mm_cmpgt_epi16(low_v, row(&views.high[1])), _mm_cmpgt_epi16(row(&views.low[1]), high_v));
         let beside = _mm_packs_epi16(_mm_or_si128(beside_u, beside_v), _mm_setzero_si128());
         let behind = _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_set1_ps(entry.near), _mm256_loadu_ps(views.least.as_ptr()));
         !(_mm_movemask_epi8(beside) | _mm256_movemask_ps(behind)) as u32 & 0xff
@@ -114,7 +110,7 @@ pub(super) fn shade(sight: &Sight, rays: &Shade) -> Sifted {
             return Sifted { possible: 0, certain: 0 };
         }
         let (low, high) = span(sight, u, v);
-        let maybe = _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GE_OQ>(high, _mm256_loadu_ps(rays.far.as_ptr())));
+        let maybe = _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GT_OQ>(high, _mm256_loadu_ps(rays.far.as_ptr())));
         let certain = _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_set1_ps(1.0)));
         let within = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GT_OQ>(low, _mm256_loadu_ps(rays.far_surely.as_ptr())),
@@ -174,7 +170,8 @@ pub(super) fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
         let is_y = _mm256_andnot_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ay, az));
         let is = [is_x, is_y];
         let (first, second, along) = (pick(is, dy, dz, dx), pick(is, dz, dx, dy), pick(is, dx, dy, dz));
-        let none = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, zero), _mm256_mul_ps(dy, zero)), _mm256_mul_ps(dz, zero));
+        let none =
+            _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, zero), _mm256_mul_ps(dy, zero)), _mm256_mul_ps(dz, zero));
         let reach = _mm256_andnot_ps(sign, along);
         let usual = _mm256_and_ps(
             _mm256_cmp_ps::<_CMP_GE_OQ>(reach, _mm256_set1_ps(Aims::SHORTEST)),
@@ -261,12 +258,9 @@ pub(super) fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met:
         let (t_high, u_high, v_high, in_high) = half::<1>(&p, direction_z);
         let t = _mm256_set_m128(t_high, t_low);
         let (t_min, t_max) = (_mm256_loadu_ps(aims.t_min.as_ptr()), _mm256_loadu_ps(aims.t_max.as_ptr()));
-        let finite = _mm256_cmp_ps::<_CMP_LT_OQ>(
-            _mm256_andnot_ps(_mm256_set1_ps(-0.0), t),
-            _mm256_set1_ps(f32::INFINITY),
-        );
-        let within =
-            _mm256_and_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(t, t_min), _mm256_cmp_ps::<_CMP_LE_OQ>(t, t_max));
+        let finite =
+            _mm256_cmp_ps::<_CMP_LT_OQ>(_mm256_andnot_ps(_mm256_set1_ps(-0.0), t), _mm256_set1_ps(f32::INFINITY));
+        let within = _mm256_and_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(t, t_min), _mm256_cmp_ps::<_CMP_LE_OQ>(t, t_max));
         met.hits = _mm256_movemask_ps(_mm256_and_ps(finite, within)) as u32 & (in_low | in_high << 4);
         _mm256_storeu_ps(met.t.as_mut_ptr(), t);
         _mm256_storeu_ps(met.u.as_mut_ptr(), _mm256_set_m128(u_high, u_low));

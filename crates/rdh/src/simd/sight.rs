@@ -127,7 +127,7 @@ impl Octet {
 pub(crate) struct Shade {
     pub(crate) u: [f32; RAYS],
     pub(crate) v: [f32; RAYS],
-    /// What is less near is no hit: it lies behind the ray's start. Infinite for a ray that is done.
+    /// What is not nearer is no hit: it lies behind the ray's start. Infinite for a ray that is done.
     pub(crate) far: [f32; RAYS],
     /// What is nearer than this begins in the interval.
     pub(crate) far_surely: [f32; RAYS],
@@ -220,7 +220,7 @@ pub(super) fn shade(sight: &Sight, rays: &Shade) -> Sifted {
     for i in 0..RAYS {
         let inside = sight.inside(rays.u[i], rays.v[i]);
         let (low, high) = sight.span(rays.u[i], rays.v[i]);
-        let possible = (inside >= -1.0) & (high >= rays.far[i]);
+        let possible = (inside >= -1.0) & (high > rays.far[i]);
         let certain = (inside > 1.0) & (low > rays.far_surely[i]) & (high < rays.near_surely[i]);
         sifted.possible |= u32::from(possible) << i;
         sifted.certain |= u32::from(possible & certain) << i;
