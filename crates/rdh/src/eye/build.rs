@@ -168,7 +168,7 @@ impl Plan<'_> {
 
 /// A window around sampled rays: others of the same kind reach a little farther.
 fn widened(window: Cell) -> Cell {
-    let pad = [0, 1].map(|a| 0.02 * (window.high[a] - window.low[a]) + PIXEL);
+    let pad = [0, 1].map(|a| 0.05 * (window.high[a] - window.low[a]) + 4.0 * PIXEL);
     Cell {
         low: [0, 1].map(|a| (window.low[a] - pad[a]).max(-1.0)),
         high: [0, 1].map(|a| (window.high[a] + pad[a]).min(1.0)),
