@@ -1,7 +1,8 @@
 //! Rays through one point, by trees around that point and by a hierarchy in the world's space, side by side:
 //! `cargo run --release -p rdh-scene --example eye -- [--scenes DIR] [--size N] [--rounds N] SCENE[:VIEW]…`
 //!
-//! Columns: camera rays in scan-line order (rows) and in Morton order (tiles), a scanner of 64 beams and 2048 firings (lidar), any-hit
+//! Columns: camera rays in scan-line order (rows; width: with the rows' width known) and in Morton order
+//! (tiles), a scanner of 64 beams and 2048 firings (lidar), any-hit
 //! rays from what the camera sees to a light (shadow). Thread CPU time where the system tells, interleaved; the best round; answers
 //! are compared.
 
@@ -66,14 +67,16 @@ impl Plan {
         let lidar = scanner(camera.eye(), scene.up, view);
         let tiles = in_tiles(&rows, self.size);
         let shadow = shadows(&scene, &world, &tiles);
-        self.column("rows", &world, &rows, camera.eye(), EyeForm::From)?;
-        self.column("tiles", &world, &tiles, camera.eye(), EyeForm::From)?;
-        self.column("lidar", &world, &lidar, camera.eye(), EyeForm::From)?;
-        self.column("lidar8", &world, &beams_by_eight(&lidar), camera.eye(), EyeForm::From)?;
+        let from_eye = Kind::Closest { width: None };
+        self.column("rows", &world, &rows, camera.eye(), from_eye)?;
+        self.column("width", &world, &rows, camera.eye(), Kind::Closest { width: Some(self.size) })?;
+        self.column("tiles", &world, &tiles, camera.eye(), from_eye)?;
+        // Eight turns: one takes hardly longer than the clock's steps.
+        self.column("lidar", &world, &lidar.repeat(8), camera.eye(), Kind::Closest { width: Some(64) })?;
         if let Some(last) = shadow.last() {
             let light = light(&scene, &world);
             assert!(last.t_max.is_finite());
-            self.column("shadow", &world, &shadow, light, EyeForm::Towards)?;
+            self.column("shadow", &world, &shadow, light, Kind::Any)?;
         }
         Ok(())
     }
@@ -83,8 +86,9 @@ impl Plan {
         camera.ray((x as f64 + 0.5) / size, (y as f64 + 0.5) / size)
     }
 
-    fn column(&self, name: &str, world: &Accel, rays: &[Ray], eye: Vec3, form: EyeForm) -> rdh::Result<()> {
+    fn column(&self, name: &str, world: &Accel, rays: &[Ray], eye: Vec3, kind: Kind) -> rdh::Result<()> {
         let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
+        let form = if matches!(kind, Kind::Any) { EyeForm::Towards } else { EyeForm::From };
         let spec = EyeOptions { form, ..EyeOptions::default() };
         let training = training(rays, world, form);
         let mut trees = Vec::new();
@@ -104,7 +108,7 @@ impl Plan {
                 assert!(own == right, "{name}: other answers alone");
                 best[1 + 2 * k] = best[1 + 2 * k].min(nanos);
                 let mut own = answers.clone();
-                let (_, nanos) = timed(|| own.together(tree, rays));
+                let (_, nanos) = timed(|| own.together(tree, rays, kind));
                 assert!(own == right, "{name}: other answers together");
                 best[2 + 2 * k] = best[2 + 2 * k].min(nanos);
             }
@@ -129,6 +133,13 @@ impl Plan {
     }
 }
 
+/// What is asked.
+#[derive(Clone, Copy)]
+enum Kind {
+    Closest { width: Option<usize> },
+    Any,
+}
+
 /// Answers of either kind.
 #[derive(Clone, PartialEq)]
 enum Answers {
@@ -151,9 +162,12 @@ impl Answers {
         }
     }
 
-    fn together(&mut self, tree: &EyeTree, rays: &[Ray]) {
+    fn together(&mut self, tree: &EyeTree, rays: &[Ray], kind: Kind) {
         match self {
-            Self::Closest(hits) => tree.closest_many(rays, hits),
+            Self::Closest(hits) => match kind {
+                Kind::Closest { width: Some(width) } => tree.closest_rows(rays, width, hits),
+                _ => tree.closest_many(rays, hits),
+            },
             Self::Any(found) => tree.occluded_many(rays, found),
         }
     }
@@ -200,12 +214,6 @@ fn scanner(eye: Vec3, up: [f64; 3], view: &View) -> Vec<Ray> {
         }
     }
     rays
-}
-
-/// The same rays in blocks of 8 beams and 8 firings.
-fn beams_by_eight(lidar: &[Ray]) -> Vec<Ray> {
-    let place = |i: usize| (i / 512) * 512 + (i / 8 % 8) * 64 + (i / 64 % 8) * 8 + i % 8;
-    (0..lidar.len()).map(|i| lidar[place(i)]).collect()
 }
 
 /// The scene's first light, or a place in the upper part of its box.

@@ -117,6 +117,11 @@ fn agrees(tree: &EyeTree, mesh: &Mesh, rays: &[Ray]) {
         let tree = tree.clone().with_level(level);
         tree.closest_many(rays, &mut hits);
         tree.occluded_many(rays, &mut found);
+        for width in [1, 13, 32, rays.len() + 1] {
+            let mut in_rows = vec![None; rays.len()];
+            tree.closest_rows(rays, width, &mut in_rows);
+            assert!(in_rows == hits, "in rows of {width}");
+        }
         for (i, ray) in rays.iter().enumerate() {
             assert_eq!(bits(hits[i]), bits(right[i]), "{ray:?}, ray {i} of many, {}", level.name());
             assert_eq!(found[i], right[i].is_some(), "{ray:?}, ray {i} of many, any hit, {}", level.name());

@@ -175,7 +175,8 @@ fn widened(window: Cell) -> Cell {
     }
 }
 
-/// How far apart rays are, as the samples' weights say.
+/// How far apart rays are, as the samples' weights say; no farther than is usual, since rows may be closer together than the rays in
+/// them.
 fn pixel(window: &Cell, places: &Places) -> f32 {
     let weight = places.weight();
     // Samples of weight 1 were not counted: there may have been any number of rays.
@@ -183,5 +184,5 @@ fn pixel(window: &Cell, places: &Places) -> f32 {
         return PIXEL;
     }
     let area = (window.high[0] - window.low[0]) * (window.high[1] - window.low[1]);
-    (area / weight).sqrt().clamp(1e-5, 1.0)
+    (area / weight).sqrt().clamp(1e-5, PIXEL)
 }

@@ -85,6 +85,17 @@ impl EyeTree {
         self.level.run(tile::Closest { tree: self, rays, hits });
     }
 
+    /// [`Self::closest_many`] for rays that come in rows of `width`, as pictures and scanners have them: neighbours in both directions
+    /// walk together. The last row may be shorter.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays, or `width` is 0.
+    pub fn closest_rows(&self, rays: &[Ray], width: usize, hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "a hit for each ray");
+        assert!(width > 0, "a row has rays");
+        self.level.run(tile::InRows { tree: self, rays, width, hits });
+    }
+
     /// Whether each ray hits anything, as [`Self::occluded`] says; fast for rays towards the eye of which each 64 in a row are neighbours.
     ///
     /// # Panics

@@ -39,6 +39,44 @@ impl Job for Closest<'_> {
     }
 }
 
+/// All rays of a batch that comes in rows: blocks of eight rays of eight rows walk together.
+pub(super) struct InRows<'a> {
+    pub(super) tree: &'a EyeTree,
+    pub(super) rays: &'a [Ray],
+    pub(super) width: usize,
+    pub(super) hits: &'a mut [Option<Hit>],
+}
+
+impl Job for InRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        let (mut tile, mut order) = (Tile::NEW, [0; TILE]);
+        let (mut block, mut found) = ([Ray::new([0.0; 3], [0.0; 3]); TILE], [None; TILE]);
+        // What is left of a batch may be a part of a row.
+        let rows = self.rays.len().div_ceil(self.width);
+        for row in (0..rows).step_by(RAYS) {
+            for column in (0..self.width).step_by(RAYS) {
+                let mut len = 0;
+                for y in row..(row + RAYS).min(rows) {
+                    let start = y * self.width;
+                    for i in start + column..(start + (column + RAYS).min(self.width)).min(self.rays.len()) {
+                        (block[len], order[len]) = (self.rays[i], i);
+                        len += 1;
+                    }
+                }
+                if len > 0 {
+                    closest::<K>(self.tree, &block[..len], &mut found[..len], &mut tile);
+                }
+                for (hit, &i) in found[..len].iter().zip(&order) {
+                    self.hits[i] = *hit;
+                }
+            }
+        }
+    }
+}
+
 /// Rays to one side.
 struct Tile {
     aims: [Aims; OCTETS],
