@@ -5,7 +5,7 @@ use super::face::Face;
 use super::side::Side;
 use super::spec::EyeForm;
 use super::towards::Approach;
-use crate::geom::{Hit, Ray, RayFrame, TriId, hit_along};
+use crate::geom::{Hit, Ray, RayFrame, TriId, hit_triangle};
 use crate::simd::{Aims, Corners, Sight, step_of};
 
 impl EyeTree {
@@ -58,7 +58,7 @@ impl EyeTree {
     /// The nearest hit of a ray from the eye.
     pub(super) fn closest_in(&self, face: &Face, frame: &RayFrame, ray: &Ray) -> Option<Hit> {
         // What is hidden is not there: a ray that starts behind what hides it finds out by hitting that.
-        let from_eye = RayFrame { t_min: if self.drops_hidden() { 0.0 } else { ray.t_min }, ..*frame };
+        let from_eye = RayFrame { t_min: if self.drops_hidden() { 0.0 } else { ray.t_min }, ..as_given(frame) };
         let [u, v] = frame.shear;
         let (column, row) = (step_of(u), step_of(v));
         let mut best: Option<Hit> = None;
@@ -75,7 +75,7 @@ impl EyeTree {
                 continue;
             }
             let corners = &face.corners[entry.sight as usize];
-            let Some(hit) = hit_along(&from_eye, &points(corners), TriId(sight.id)) else { continue };
+            let Some(hit) = hit_triangle(&from_eye, &points(corners), TriId(sight.id)) else { continue };
             if best.is_none_or(|best| hit.wins_over(&best)) {
                 best = Some(hit);
                 least = nearness(&hit, frame);
@@ -111,7 +111,7 @@ impl EyeTree {
     /// Whether THE triangle test finds a hit of a triangle that the ray sees.
     pub(super) fn stops(&self, face: &Face, index: u32, frame: &RayFrame, ray: &Ray) -> bool {
         let (id, corners) = (face.sights[index as usize].id, &face.corners[index as usize]);
-        self.sees(id, ray) && hit_along(frame, &points(corners), TriId(id)).is_some()
+        self.sees(id, ray) && hit_triangle(&as_given(frame), &points(corners), TriId(id)).is_some()
     }
 
     /// Whether a ray sees a triangle, by its mask.
@@ -130,6 +130,12 @@ impl EyeTree {
 #[inline(always)]
 fn may_hit(sight: &Sight, u: f32, v: f32, least: f32) -> bool {
     sight.inside(u, v) >= -1.0 && sight.span(u, v).1 >= least
+}
+
+/// The frame for corners that are given along its axes.
+#[inline(always)]
+fn as_given(frame: &RayFrame) -> RayFrame {
+    RayFrame { k: [0, 1, 2], ..*frame }
 }
 
 /// Three corners.

@@ -7,7 +7,7 @@
 //! The functions here are the plain loops that faster levels must agree with.
 
 use super::Sifted;
-use crate::geom::{Ray, RayFrame, TriId, Vec3, hit_along};
+use crate::geom::{Ray, RayFrame, TriId, Vec3, hit_triangle};
 
 /// Rays that are compared at once.
 pub(crate) const RAYS: usize = 8;
@@ -261,7 +261,7 @@ pub(super) fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met:
             t_max: aims.t_max[i],
         };
         let corners = corners[i].map(|[x, y, z, _]| [x, y, z]);
-        if let Some(hit) = hit_along(&frame, &corners, TriId(0)) {
+        if let Some(hit) = hit_triangle(&frame, &corners, TriId(0)) {
             (met.t[i], met.u[i], met.v[i]) = (hit.t, hit.u, hit.v);
             met.hits |= 1 << i;
         }
