@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::avx2::{Avx2, Frame, Sheared};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
+use super::avx2_eight::Wide8;
 use super::{Block, Boxes, Entered, Indices, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -29,6 +30,7 @@ impl Kernels for Avx512 {
     type Frame = Frame;
     type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {
