@@ -51,7 +51,7 @@ pub fn log(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log");
     std::fs::write(&path, data).expect("a file");
-    drop(rdh_study::study::log::read(&path));
+    drop(rdh_study::study::log::read::<rdh_study::study::Record>(&path));
 }
 
 /// Opens a saved tree, or what was made of one; what is opened can be used.
