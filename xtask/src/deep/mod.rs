@@ -2,6 +2,7 @@
 //! can't be done here.
 
 mod arm;
+mod audit;
 mod bounds;
 mod identical;
 mod targets;
@@ -24,6 +25,21 @@ pub(crate) struct Arguments {
     /// A folder of scenes with a scenes.toml [default: ../shared/scenes, if it is there]
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
+    /// Let the clock decide in `audit`, too: on a machine that is idle
+    #[arg(long)]
+    times: bool,
+}
+
+impl Arguments {
+    /// The folder of scenes, if there is one; else it is said that `check` does without.
+    fn scenes(&self, check: &str) -> Option<PathBuf> {
+        let beside = root().join("../shared/scenes");
+        let scenes = self.scenes.clone().or_else(|| beside.join("scenes.toml").is_file().then_some(beside));
+        if scenes.is_none() {
+            eprintln!("{check}: there are no ../shared/scenes: the embedded scenes alone");
+        }
+        scenes
+    }
 }
 
 /// What becomes of a check.
@@ -38,8 +54,9 @@ enum Outcome {
 /// A name, and what it runs.
 type Check = (&'static str, fn(&Arguments) -> Result<Outcome>);
 
-const CHECKS: [Check; 6] = [
+const CHECKS: [Check; 7] = [
     ("identical", identical::run),
+    ("audit", audit::run),
     ("arm", arm::run),
     ("cancel", bounds::run),
     ("miri", undefined::miri),
@@ -92,6 +109,16 @@ fn outcome(command: &mut Command, words: &[&str]) -> Result<Outcome> {
     let status = child.wait()?;
     let count = counts.pop().unwrap_or_default();
     Ok(if status.success() { Outcome::Fine(count) } else { Outcome::Failed(format!("{name}: {status}")) })
+}
+
+/// An example of the study over the embedded scenes and those of the folder.
+fn example(name: &str, arguments: &Arguments) -> Command {
+    let mut command = Command::new("cargo");
+    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", name, "--"]);
+    if let Some(folder) = arguments.scenes(name) {
+        command.arg("--scenes").arg(folder);
+    }
+    command
 }
 
 /// Whether a program can be run.
