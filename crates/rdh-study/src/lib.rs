@@ -4,7 +4,9 @@
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
 //!  builds       what builds cost on one thread and two
+//!  audit        choices of tune, judged on unseen rays
 //!  identical    the same bits from all structures, levels and numbers of threads
+//!  soak         rays without end from inside closed meshes
 //!  study        experiments as jobs, interrupted and shared out
 //!  verify       a finished structure beside brute force
 //!  summary      ratios to a base, with intervals
@@ -16,6 +18,7 @@
 //! ```
 //! Each layer uses only those below it.
 
+pub mod audit;
 pub mod bench;
 pub mod builds;
 pub mod clock;
@@ -27,6 +30,7 @@ pub mod plan;
 pub mod report;
 pub mod rows;
 pub mod run;
+pub mod soak;
 pub mod stats;
 pub mod study;
 pub mod summary;

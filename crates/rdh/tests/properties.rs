@@ -101,7 +101,9 @@ fn no_ray_of_a_batch_escapes_from_a_closed_mesh() {
                 let first = aimed(&mesh, inside, aim, &mut random);
                 let near = |random: &mut Random| first.direction.map(|x| x * (1.0 + 1e-5 * random.between(-1.0, 1.0)));
                 rays.push(first);
-                rays.extend((1..64).map(|i| if i % 3 == 0 { first } else { Ray { direction: near(&mut random), ..first } }));
+                rays.extend(
+                    (1..64).map(|i| if i % 3 == 0 { first } else { Ray { direction: near(&mut random), ..first } }),
+                );
             }
             let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
             accel.closest_many(&rays, &mut hits);
@@ -234,6 +236,41 @@ fn rays_from_the_end_of_the_world_miss_nothing() {
             let mut hits = Vec::new();
             accel.all_hits(&ray, &mut hits);
             assert_eq!(hits, naive::all_hits(&mesh, &ray), "{at}");
+        }
+    }
+}
+
+/// A crossing just before the start, or just behind the end, counts where its `t` is rounded to one of them: with a long direction
+/// everything within 10⁻³⁸ of it, and farther.
+#[test]
+fn what_rounds_to_an_end_of_the_interval_counts() {
+    let at = |i: u32| (i as f32 - 16.0) * 3e-39;
+    let corners = |x: f32, lean: f32| [[x, -1.0, -1.0], [x + lean, 2.0, -1.0], [x, -1.0, 2.0]];
+    // Every fourth one leans: its corners lie on both sides of the start.
+    let points = (0..32).flat_map(|i| corners(at(i), if i % 4 == 3 { at(i) + 1e-39 } else { 0.0 })).collect();
+    let mesh = Mesh::new(points, (0..32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh");
+    let long = [1.0, 1e6, 3e7, 1e9, 1e20, 1e38].into_iter().flat_map(|d| [d, -d]);
+    let rays: Vec<Ray> = long
+        .flat_map(|d| [-2e-38, -1e-39, 0.0, 4e-39, 3e-38].map(|x| Ray::new([x, 0.25, -0.25], [d, 0.0, 0.0])))
+        .flat_map(|ray| [ray, ray.within(0.0, 0.0), ray.within(-f32::MAX, 0.0), ray.within(-1e-45, 1e-45)])
+        .collect();
+    let expected: Vec<_> = rays.iter().map(|ray| bits(naive::closest(&mesh, ray))).collect();
+    let beside = |ray: &Ray| {
+        let all = naive::all_hits(&mesh, ray);
+        let behind =
+            |hit: &Hit| hit.t == 0.0 && (mesh.corners(hit.tri)[0][0] - ray.origin[0]) * ray.direction[0] != 0.0;
+        all.iter().filter(|hit| behind(hit)).count()
+    };
+    assert!(rays.iter().map(beside).sum::<usize>() > 100);
+    for spec in SPECS {
+        let accel = build_spec(&mesh, spec);
+        for level in Level::available() {
+            let accel = accel.clone().with_level(level);
+            for (ray, expected) in rays.iter().zip(&expected) {
+                let at = || format!("{spec}, {}, {ray:?}", level.name());
+                assert_eq!(bits(accel.closest(ray)), *expected, "{}", at());
+                assert_eq!(accel.occluded(ray), expected.is_some(), "{}", at());
+            }
         }
     }
 }

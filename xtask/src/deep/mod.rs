@@ -2,12 +2,20 @@
 //! can't be done here.
 
 mod arm;
+mod audit;
+mod bounds;
 mod identical;
+mod targets;
+mod undefined;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
+
+use crate::reliability::{Verdict, keep};
+use crate::root;
 
 /// Run checks that take too long for the ordinary tests.
 #[derive(Debug, clap::Args)]
@@ -17,11 +25,27 @@ pub(crate) struct Arguments {
     /// A folder of scenes with a scenes.toml [default: ../shared/scenes, if it is there]
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
+    /// Let the clock decide in `audit`, too: on a machine that is idle
+    #[arg(long)]
+    times: bool,
+}
+
+impl Arguments {
+    /// The folder of scenes, if there is one; else it is said that `check` does without.
+    fn scenes(&self, check: &str) -> Option<PathBuf> {
+        let beside = root().join("../shared/scenes");
+        let scenes = self.scenes.clone().or_else(|| beside.join("scenes.toml").is_file().then_some(beside));
+        if scenes.is_none() {
+            eprintln!("{check}: there are no ../shared/scenes: the embedded scenes alone");
+        }
+        scenes
+    }
 }
 
 /// What becomes of a check.
 enum Outcome {
-    Fine,
+    /// How much was checked, in words.
+    Fine(String),
     Failed(String),
     /// It can't be done here, for a reason.
     Skipped(String),
@@ -30,7 +54,15 @@ enum Outcome {
 /// A name, and what it runs.
 type Check = (&'static str, fn(&Arguments) -> Result<Outcome>);
 
-const CHECKS: [Check; 2] = [("identical", identical::run), ("arm", arm::run)];
+const CHECKS: [Check; 7] = [
+    ("identical", identical::run),
+    ("audit", audit::run),
+    ("arm", arm::run),
+    ("cancel", bounds::run),
+    ("miri", undefined::miri),
+    ("asan", undefined::asan),
+    ("targets", targets::run),
+];
 
 /// Whether none has failed.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
@@ -41,26 +73,55 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let wanted = |check: &&Check| arguments.check.is_empty() || arguments.check.iter().any(|name| name == check.0);
     let mut fine = true;
     for (name, run) in CHECKS.iter().filter(wanted) {
-        match run(arguments).with_context(|| (*name).to_owned())? {
-            Outcome::Fine => println!("{name}: ok"),
-            Outcome::Skipped(why) => println!("{name}: skipped: {why}"),
+        let verdict = match run(arguments).with_context(|| (*name).to_owned())? {
+            Outcome::Fine(count) => {
+                println!("{name}: ok: {count}");
+                keep(name, &count, &Verdict::Fine)
+            }
+            Outcome::Skipped(why) => {
+                println!("{name}: skipped: {why}");
+                keep(name, "", &Verdict::Skipped(&why))
+            }
             Outcome::Failed(what) => {
                 println!("{name}: failed: {what}");
                 fine = false;
+                keep(name, "", &Verdict::Failed(&what))
             }
-        }
+        };
+        verdict?;
     }
     Ok(fine)
 }
 
-/// The folder of the workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+/// Runs a command in the folder of the workspace, and shows what it says. The last line that begins with one of the `words` says how
+/// much was checked.
+fn outcome(command: &mut Command, words: &[&str]) -> Result<Outcome> {
+    let name = command.get_program().display().to_string();
+    let mut child = command.current_dir(root()).stdout(Stdio::piped()).spawn().with_context(|| name.clone())?;
+    let mut counts = Vec::new();
+    for line in BufReader::new(child.stdout.take().context("it has no output")?).lines() {
+        let line = line?;
+        println!("{line}");
+        if let Some(word) = words.iter().find(|word| line.starts_with(**word)) {
+            counts.push(line[word.len()..].trim().to_owned());
+        }
+    }
+    let status = child.wait()?;
+    let count = counts.pop().unwrap_or_default();
+    Ok(if status.success() { Outcome::Fine(count) } else { Outcome::Failed(format!("{name}: {status}")) })
 }
 
-/// Runs a command in the folder of the workspace; what it says goes to this program's own output.
-fn outcome(command: &mut Command) -> Result<Outcome> {
-    let name = command.get_program().display().to_string();
-    let status = command.current_dir(root()).status().with_context(|| name.clone())?;
-    Ok(if status.success() { Outcome::Fine } else { Outcome::Failed(format!("{name}: {status}")) })
+/// An example of the study over the embedded scenes and those of the folder.
+fn example(name: &str, arguments: &Arguments) -> Command {
+    let mut command = Command::new("cargo");
+    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", name, "--"]);
+    if let Some(folder) = arguments.scenes(name) {
+        command.arg("--scenes").arg(folder);
+    }
+    command
+}
+
+/// Whether a program can be run.
+fn says(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }

@@ -20,11 +20,7 @@ const ROWS: usize = 8;
 ///
 /// # Panics
 /// If there are not as many answers as rays.
-pub(crate) fn cast<A: Send>(
-    rays: &[Ray],
-    answers: &mut [A],
-    cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync,
-) {
+pub(crate) fn cast<A: Send>(rays: &[Ray], answers: &mut [A], cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync) {
     assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
     let rows = rows::find(rays);
     let (width, lead) = rows.map_or((None, 0), |rows| (Some(rows.width), rows.lead));

@@ -25,8 +25,8 @@ mod spatial;
 mod spec;
 mod split;
 mod strands;
-mod tile;
 mod sweep;
+mod tile;
 pub(crate) mod trace;
 mod visits;
 

@@ -23,7 +23,7 @@ use super::{GeomId, Hit, InstId, Ray, TriId, Vec3};
 /// A ray made ready for [`Mesh`](crate::Mesh) triangles: the shear that turns it into the z axis.
 ///
 /// One ray must use one frame in all its tests.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayFrame {
     /// The axes that become x, y and z; z is the one along which the ray moves most.
     pub k: [usize; 3],
@@ -73,22 +73,6 @@ impl RayFrame {
         [corner[kx], corner[ky], corner[kz]]
     }
 
-    /// What the depths of a triangle's corners along z say about a hit's `t`, which lies between theirs.
-    #[inline(always)]
-    pub(crate) fn depths(&self) -> Depths {
-        // A `t` beyond f32's range is no hit.
-        let (t_min, t_max) = (larger(self.t_min, f32::MIN), smaller(self.t_max, f32::MAX));
-        let (a, b) = (t_min * self.direction_z, t_max * self.direction_z);
-        let (low, high) = if self.direction_z > 0.0 { (a, b) } else { (b, a) };
-        let (low_slack, high_slack) = (Depths::slack(low), Depths::slack(high));
-        Depths {
-            nearest: low - low_slack,
-            farthest: high + high_slack,
-            surely_from: low + low_slack,
-            surely_to: high - high_slack,
-        }
-    }
-
     /// How far, in each coordinate, a hit may lie from the true triangle, for geometry inside `bounds`.
     ///
     /// `corner − origin` is off by at most 2⁻²⁴ of its size on each axis; the shear adds the rounding of the quotient,
@@ -98,30 +82,6 @@ impl RayFrame {
     pub fn slack(origin: Vec3, magnitude: f32) -> f32 {
         let reach = larger(larger(origin[0].abs(), origin[1].abs()), origin[2].abs());
         (reach + magnitude) * (1.0 / (1 << 21) as f32)
-    }
-}
-
-/// Limits for the depths of a triangle's corners.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Depths {
-    /// With all corners before this there is no hit.
-    pub(crate) nearest: f32,
-    /// With all corners behind this there is no hit.
-    pub(crate) farthest: f32,
-    /// With all corners from here …
-    pub(crate) surely_from: f32,
-    /// … to here every crossing is a hit.
-    pub(crate) surely_to: f32,
-}
-
-impl Depths {
-    /// The part of a depth, …
-    pub(crate) const SLACK: f32 = 1.0 / (1 << 20) as f32;
-
-    /// … which is more than all roundings on the way from a limit of `t` to it.
-    #[inline(always)]
-    fn slack(x: f32) -> f32 {
-        x.abs() * Self::SLACK + f32::MIN_POSITIVE
     }
 }
 
@@ -169,21 +129,19 @@ fn edge_functions(p: &[Vec3; 3]) -> [f64; 3] {
 /// Tests one triangle; edges and corners count as hit, and so do both ends of the ray's interval.
 #[inline(always)]
 pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let [a, b, c] = corners;
-    hit_along(frame, &[frame.along(a), frame.along(b), frame.along(c)], tri)
+    hit_sheared(&shear_corners(frame, corners), frame.direction_z, (frame.t_min, frame.t_max), tri)
 }
 
-/// [`hit_triangle`] for corners that are given along the frame's axes.
+/// [`hit_triangle`] for corners that are in the ray's frame, and the interval of `t` that counts.
 #[inline(always)]
-pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let p = [shear_point(frame, *a), shear_point(frame, *b), shear_point(frame, *c)];
-    let [t, u, v] = hit_sheared(&p, frame.direction_z, frame.t_min, frame.t_max)?;
+pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, interval: (f32, f32), tri: TriId) -> Option<Hit> {
+    let [t, u, v] = crossing(p, direction_z, interval)?;
     Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
 }
 
 /// What is left of the test once the corners are in the ray's frame: `t`, `u` and `v`.
 #[inline(always)]
-pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, t_min: f32, t_max: f32) -> Option<Vec3> {
+pub(crate) fn crossing(p: &[Vec3; 3], direction_z: f32, (t_min, t_max): (f32, f32)) -> Option<Vec3> {
     let w = edge_functions(p);
     // Without short cuts: which side a triangle shows is as good as random, and a wrong guess costs more than all of it.
     let (some_below, some_above) =

@@ -149,7 +149,7 @@ struct Half {
     decided: u32,
 }
 
-/// The operations of `hit_sheared`, in their order, in f64.
+/// The operations of `crossing`, in their order, in f64.
 #[inline(always)]
 fn half(corners: &[[Wide8; 3]; 3], direction_z: Wide8, upper: bool) -> Half {
     let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners;

@@ -1,6 +1,6 @@
 //! Eight floats at once: what packets of rays are computed with, written once for all levels.
 
-use crate::geom::hit_sheared;
+use crate::geom::crossing;
 
 /// Eight floats. Comparisons give lanes of all ones or all zeros; nothing that has to be the same everywhere is fused.
 pub(crate) trait Eight: Copy {
@@ -64,7 +64,7 @@ pub(crate) trait Eight: Copy {
     /// Rows as columns.
     fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8];
 
-    /// THE triangle test from the corners in the rays' frames on, bit for bit as in `hit_sheared`.
+    /// THE triangle test from the corners in the rays' frames on, bit for bit as in `crossing`.
     fn hits(corners: &[[Self; 3]; 3], direction_z: Self, t_min: Self, t_max: Self) -> Hits<Self>;
 }
 
@@ -226,7 +226,7 @@ impl Eight for Plain8 {
         for i in 0..8 {
             let corner = |c: usize| [corners[c][0].0[i], corners[c][1].0[i], corners[c][2].0[i]];
             let p = [corner(0), corner(1), corner(2)];
-            if let Some([t, u, v]) = hit_sheared(&p, direction_z.0[i], t_min.0[i], t_max.0[i]) {
+            if let Some([t, u, v]) = crossing(&p, direction_z.0[i], (t_min.0[i], t_max.0[i])) {
                 hits.accepted |= 1 << i;
                 (hits.t.0[i], hits.u.0[i], hits.v.0[i]) = (t, u, v);
             }

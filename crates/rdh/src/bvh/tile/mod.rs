@@ -90,7 +90,13 @@ impl<E: Eight> Tile<E> {
             return false;
         }
         let down = (all[0] & 1) | (all[1] & 1) << 1 | (all[2] & 1) << 2;
-        let main = if all[3] != 0 { 0 } else if all[4] != 0 { 1 } else { 2 };
+        let main = if all[3] != 0 {
+            0
+        } else if all[4] != 0 {
+            1
+        } else {
+            2
+        };
         self.class = Class::new(down, main);
         self.count = count;
         self.effort = Effort::of(chosen.len());

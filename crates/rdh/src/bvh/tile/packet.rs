@@ -3,7 +3,7 @@
 //! Boxes get the constants of single rays, so that what is said of those (docs/watertight.md, section 4) holds lane by lane; triangles
 //! are sifted by the operations of single rays, and what is left goes through THE triangle test, eight at a time.
 
-use crate::geom::{Depths, GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
+use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
 use crate::simd::{Block, Boxes, Eight, Hits, LANES};
 
 /// What rays of a tile have in common.
@@ -126,7 +126,9 @@ struct Aim<E> {
     depths: Limits<E>,
 }
 
-/// [`Depths`], lane by lane.
+/// Limits for the depths of a triangle's corners, between which a hit's depth lies: with all corners before `nearest` or behind
+/// `farthest` there is no hit; with all from `surely_from` to `surely_to` every crossing is one. For usual rays alone: a `t` that is
+/// rounded to f32's smallest steps moves their depth by less than 2⁻¹⁴⁰.
 #[derive(Debug, Clone, Copy)]
 struct Limits<E> {
     nearest: E,
@@ -136,12 +138,15 @@ struct Limits<E> {
 }
 
 impl<E: Eight> Limits<E> {
+    /// More than all roundings on the way from a limit of `t` to a depth, as a part of it.
+    const SLACK: f32 = 1.0 / (1 << 20) as f32;
+
     #[inline(always)]
     fn new(t_min: E, t_max: E, direction_z: E) -> Self {
         let a = t_min.max(E::splat(f32::MIN)).mul(direction_z);
         let b = t_max.min(E::splat(f32::MAX)).mul(direction_z);
         let (low, high) = (a.min(b), a.max(b));
-        let (slack, least) = (E::splat(Depths::SLACK), E::splat(f32::MIN_POSITIVE));
+        let (slack, least) = (E::splat(Self::SLACK), E::splat(f32::MIN_POSITIVE));
         let (low_slack, high_slack) = (size(low).mul(slack).add(least), size(high).mul(slack).add(least));
         Self {
             nearest: low.sub(low_slack),
@@ -186,11 +191,7 @@ impl<E: Eight> Aim<E> {
     #[inline(always)]
     fn shear_point(&self, &[x, y, z]: &[E; 3]) -> [E; 3] {
         let z = z.sub(self.origin[2]);
-        [
-            x.sub(self.origin[0]).sub(self.shear[0].mul(z)),
-            y.sub(self.origin[1]).sub(self.shear[1].mul(z)),
-            z,
-        ]
+        [x.sub(self.origin[0]).sub(self.shear[0].mul(z)), y.sub(self.origin[1]).sub(self.shear[1].mul(z)), z]
     }
 
     /// Which lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does (docs/watertight.md, section 7).
@@ -278,31 +279,12 @@ impl<E: Eight> Packet<E> {
         let end = E::splat(f32::NEG_INFINITY);
         let three = [zero; 3];
         let (inverse, enters, leaves) = (three, three, three);
-        Self {
-            inverse,
-            enters,
-            leaves,
-            t_min: zero,
-            end,
-            aim,
-            u: zero,
-            v: zero,
-            tri: zero,
-            hit: 0,
-            masks: [0; LANES],
-        }
+        Self { inverse, enters, leaves, t_min: zero, end, aim, u: zero, v: zero, tri: zero, hit: 0, masks: [0; LANES] }
     }
 
     /// Takes over usual rays of one class; `filled` lanes hold one, the others repeat one. Widens what is reached.
     #[inline(always)]
-    pub(super) fn fill(
-        &mut self,
-        rays: &Loaded<E>,
-        filled: u32,
-        class: Class,
-        magnitude: f32,
-        reach: &mut Reach<E>,
-    ) {
+    pub(super) fn fill(&mut self, rays: &Loaded<E>, filled: u32, class: Class, magnitude: f32, reach: &mut Reach<E>) {
         let [ox, oy, oz] = rays.origin;
         let size_of_origin = size(ox).max(size(oy)).max(size(oz));
         let slack = size_of_origin.add(E::splat(magnitude)).mul(E::splat(1.0 / (1 << 21) as f32));
