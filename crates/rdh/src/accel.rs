@@ -106,7 +106,7 @@ pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOp
     Ok(Accel::of(structure, mesh.clone(), *spec, trained_on))
 }
 
-fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+pub(crate) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|_| Error::OutOfMemory { what: "threads", bytes: 0 })?.install(work)
 }

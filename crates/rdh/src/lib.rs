@@ -16,6 +16,7 @@ mod build;
 pub mod bvh;
 mod clip;
 pub mod error;
+pub mod eye;
 pub mod fault;
 pub mod geom;
 pub mod heuristic;
