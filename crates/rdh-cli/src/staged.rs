@@ -15,6 +15,8 @@ use crate::exit::usage;
 #[derive(Debug)]
 pub(crate) struct Staged {
     pub scene: String,
+    /// The frame of its animation; 0 at rest.
+    pub frame: u32,
     pub view: View,
     pub stage: Arc<Stage>,
     /// How the scene lies and is looked at, to be saved with a tree.
@@ -22,7 +24,7 @@ pub(crate) struct Staged {
 }
 
 impl Staged {
-    /// Loads a scene and finds the view: the target's, else its first one, else one from outside.
+    /// Loads a scene at the target's first frame and finds the view: the target's, else its first one, else one from outside.
     ///
     /// # Errors
     /// What the reader says; usage for an unknown view.
@@ -35,7 +37,8 @@ impl Staged {
     /// # Errors
     /// As [`Self::load`].
     pub(crate) fn load_all(target: &Target) -> Result<Vec<Self>> {
-        let scene = target.entry.load(0).with_context(|| format!("scene '{}'", target.entry.id))?;
+        let frame = target.frames.first().copied().unwrap_or_default();
+        let scene = target.entry.load(frame).with_context(|| format!("scene '{}'", target.entry.id))?;
         for note in &scene.notes {
             tracing::warn!("{}: {} {}", target.entry.id, note.count, note.what);
         }
@@ -44,6 +47,7 @@ impl Staged {
         let setting = Arc::new(Setting { id: target.entry.id.clone(), ..Setting::of(&scene) });
         let with = |view: View| Self {
             scene: target.entry.id.clone(),
+            frame,
             view,
             stage: Arc::clone(&stage),
             setting: Arc::clone(&setting),
@@ -51,9 +55,10 @@ impl Staged {
         Ok(views.into_iter().map(with).collect())
     }
 
-    /// `scene:view`, as it is typed.
+    /// `scene:view` or `scene:view@frame`, as it is typed.
     pub(crate) fn name(&self) -> String {
-        format!("{}:{}", self.scene, self.view.name)
+        let frame = if self.frame > 0 { format!("@{}", self.frame) } else { String::new() };
+        format!("{}:{}{frame}", self.scene, self.view.name)
     }
 
     /// Builds a structure on this thread; its log says what was built, and how long it took.

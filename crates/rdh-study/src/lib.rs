@@ -4,6 +4,7 @@
 //!  report       records as one page of HTML
 //!  bench        our structures and other libraries' side by side
 //!  builds       what builds cost on one thread and two
+//!  audit        choices of tune, judged on unseen rays
 //!  identical    the same bits from all structures, levels and numbers of threads
 //!  study        experiments as jobs, interrupted and shared out
 //!  verify       a finished structure beside brute force
@@ -16,6 +17,7 @@
 //! ```
 //! Each layer uses only those below it.
 
+pub mod audit;
 pub mod bench;
 pub mod builds;
 pub mod clock;

@@ -2,6 +2,7 @@
 //! can't be done here.
 
 mod arm;
+mod audit;
 mod identical;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,21 @@ pub(crate) struct Arguments {
     /// A folder of scenes with a scenes.toml [default: ../shared/scenes, if it is there]
     #[arg(long, value_name = "DIR")]
     scenes: Option<PathBuf>,
+    /// Let the clock decide in `audit`, too: on a machine that is idle
+    #[arg(long)]
+    times: bool,
+}
+
+impl Arguments {
+    /// The folder of scenes, if there is one; else it is said that `check` does without.
+    fn scenes(&self, check: &str) -> Option<PathBuf> {
+        let beside = root().join("../shared/scenes");
+        let scenes = self.scenes.clone().or_else(|| beside.join("scenes.toml").is_file().then_some(beside));
+        if scenes.is_none() {
+            eprintln!("{check}: there are no ../shared/scenes: the embedded scenes alone");
+        }
+        scenes
+    }
 }
 
 /// What becomes of a check.
@@ -30,7 +46,7 @@ enum Outcome {
 /// A name, and what it runs.
 type Check = (&'static str, fn(&Arguments) -> Result<Outcome>);
 
-const CHECKS: [Check; 2] = [("identical", identical::run), ("arm", arm::run)];
+const CHECKS: [Check; 3] = [("identical", identical::run), ("audit", audit::run), ("arm", arm::run)];
 
 /// Whether none has failed.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
@@ -56,6 +72,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
 /// The folder of the workspace.
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// An example of the study over the embedded scenes and those of the folder.
+fn example(name: &str, arguments: &Arguments) -> Command {
+    let mut command = Command::new("cargo");
+    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", name, "--"]);
+    if let Some(folder) = arguments.scenes(name) {
+        command.arg("--scenes").arg(folder);
+    }
+    command
 }
 
 /// Runs a command in the folder of the workspace; what it says goes to this program's own output.

@@ -21,8 +21,9 @@ pub(crate) struct RaysArgs {
     /// Split into three files that share no ray, by --seed: OUT.training.rays, OUT.held-out.rays, OUT.unseen.rays
     #[arg(long, requires = "output")]
     pub split: bool,
-    /// Say how far each file's rays are from this profile's: whether it is time to build again
-    #[arg(long, value_name = "F.rays", conflicts_with_all = ["merge", "thin", "split"])]
+    /// Say how far each file's rays are from this profile's, or from those that a saved tree was made for: whether it is time
+    /// to tune again
+    #[arg(long, value_name = "F.rays|TREE", conflicts_with_all = ["merge", "thin", "split"])]
     pub drift: Option<PathBuf>,
     /// The profile to write
     #[arg(short, long, value_name = "OUT.rays")]

@@ -11,7 +11,7 @@ use super::values::{self, Size};
 /// Casts one path a pixel and keeps a fair sample of the rays, with where they ended and what they were for.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RecordArgs {
-    /// A scene by id, a view of it (balls4:front), or a mesh file
+    /// A scene by id, a view of it (balls4:front, traffic:street@3 at a frame), or a mesh file
     #[arg(value_name = "SCENE[:VIEW]")]
     pub scene: String,
     /// Which rays: primary, whitted, path, ao, lidar

@@ -30,7 +30,7 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "LIST")]
     pub candidates: Option<String>,
     /// Print what is tried by default, and why
-    #[arg(long, exclusive = true)]
+    #[arg(long, conflicts_with_all = ["names", "mode", "rays", "candidates", "output"])]
     pub list: bool,
     /// What a ray of a class counts, such as shadow=2,primary=0 [default: 1 each]
     #[arg(long, value_name = "CLASS=N,…", default_value = "")]

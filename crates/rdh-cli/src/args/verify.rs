@@ -14,7 +14,8 @@ pub(crate) struct VerifyArgs {
     /// A saved tree
     #[arg(value_name = "TREE")]
     pub tree: PathBuf,
-    /// A profile to judge by: the quarter that `rdh build` with the same --seed has not seen
+    /// A profile to judge by: the quarter that `rdh build` with the same --seed has not seen. How far its rays have drifted
+    /// from those that the tree was made for is said, too
     #[arg(long, value_name = "F.rays")]
     pub rays: Option<PathBuf>,
     /// How many rays are compared with brute force [default: as many as take seconds, 64 to 4096]

@@ -26,6 +26,9 @@ pub(crate) fn run(args: &BuildArgs, context: &Context) -> Result<()> {
     let bar = context.bar(3);
     bar.set_message("reading");
     let staged = Staged::load(&target)?;
+    if let Some((file, rays)) = args.rays.as_deref().zip(rays.as_ref()) {
+        rays::warn_of_other_scene(file, &rays.note["settings"], &staged.scene);
+    }
     bar.inc(1);
     bar.set_message("building");
     let none = Training::none();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use rdh::{Aabb, Profile, Query};
+use rdh_scene::saved;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -22,7 +23,7 @@ pub(crate) fn run(args: &RaysArgs, context: &Context) -> Result<()> {
         Some(output) => transform(args, context.seed, profiles, output)?,
     };
     let mut document = json!({ "version": 1, "files": described.iter().map(describe).collect::<Vec<_>>() });
-    let drift = args.drift.as_deref().map(|file| Ok::<_, anyhow::Error>((file, read(file)?))).transpose()?;
+    let drift = args.drift.as_deref().map(|file| Ok::<_, anyhow::Error>((file, read_base(file)?))).transpose()?;
     let drifts: Vec<_> = drift.iter().flat_map(|base| described.iter().map(|p| drifted(p, base))).collect();
     if drift.is_some() {
         document["drifts"] = json!(drifts);
@@ -37,6 +38,26 @@ pub(crate) fn read(file: &Path) -> Result<Profile> {
     let name = || file.display().to_string();
     let bytes = fs::read(file).with_context(name)?;
     Profile::from_bytes(&bytes).with_context(name)
+}
+
+/// A profile, or the rays that a saved tree was not built by, but might have been.
+fn read_base(file: &Path) -> Result<Profile> {
+    if !file.extension().is_some_and(|e| e.eq_ignore_ascii_case("rdh")) {
+        return read(file);
+    }
+    let unseen = saved::open(file)?.provenance().unseen.clone();
+    unseen.with_context(|| {
+        format!("{} holds no rays: it was built without any, or by a training set alone", file.display())
+    })
+}
+
+/// Says so if a profile was recorded in another scene, by its settings, as far as these tell: rays of one scene mean nothing in another.
+pub(crate) fn warn_of_other_scene(file: &Path, settings: &Value, scene: &str) {
+    let Some(recorded) = settings["scene"].as_str() else { return };
+    let is_id = |name: &str| !name.contains(['.', '/', '\\']);
+    if recorded != scene && is_id(recorded) && is_id(scene) {
+        tracing::warn!("{} was recorded in {recorded}, not in {scene}", file.display());
+    }
 }
 
 type Named = (PathBuf, Profile);
@@ -140,7 +161,7 @@ struct Drifted {
 
 /// A drift for `--json`.
 #[derive(Serialize)]
-struct Drift {
+pub(crate) struct Drift {
     drift: f64,
     p_value: f64,
     origins: f64,
@@ -151,16 +172,32 @@ struct Drift {
 }
 
 fn drifted((file, profile): &Named, (base_file, base): &(&Path, Profile)) -> Drifted {
-    let drift = base.drift(profile).map(|d| Drift {
-        drift: d.distance,
-        p_value: d.p_value,
-        origins: d.origins,
-        directions: d.directions,
-        lengths: d.lengths,
-        kinds: d.kinds,
-        rays: d.rays,
-    });
+    let drift = Drift::between(base, profile);
     Drifted { file: file.display().to_string(), from: base_file.display().to_string(), drift }
+}
+
+impl Drift {
+    /// How far `profile`'s rays are from those of `base`.
+    pub(crate) fn between(base: &Profile, profile: &Profile) -> Option<Self> {
+        base.drift(profile).map(|d| Self {
+            drift: d.distance,
+            p_value: d.p_value,
+            origins: d.origins,
+            directions: d.directions,
+            lengths: d.lengths,
+            kinds: d.kinds,
+            rays: d.rays,
+        })
+    }
+
+    /// In a line.
+    pub(crate) fn text(&self, from: &str) -> String {
+        format!("drift {:.3} (p = {:.3}) from {from}: {}", self.drift, self.p_value, self.verdict())
+    }
+
+    fn verdict(&self) -> &'static str {
+        if self.p_value < 0.01 { "other rays" } else { "no clear difference" }
+    }
 }
 
 fn drift_text(drifts: &[Drifted], context: &Context) -> String {
@@ -174,7 +211,7 @@ fn drift_text(drifts: &[Drifted], context: &Context) -> String {
         let mut row =
             vec![d.file.clone().into(), format!("{:.3}", drift.drift).into(), format!("{:.3}", drift.p_value).into()];
         row.extend([drift.origins, drift.directions, drift.lengths, drift.kinds].map(|x| format!("{x:.3}").into()));
-        row.push(if drift.p_value < 0.01 { "other rays" } else { "no clear difference" }.into());
+        row.push(drift.verdict().into());
         table.push(row);
     }
     let text = table.text(context.styles.head);

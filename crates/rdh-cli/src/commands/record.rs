@@ -53,6 +53,7 @@ fn settings(args: &RecordArgs, seed: u64, staged: &Staged) -> serde_json::Value 
         "program": concat!("rdh ", env!("CARGO_PKG_VERSION")),
         "scene": staged.scene,
         "view": staged.view.name,
+        "frame": staged.frame,
         "mode": args.mode,
         "size": [args.size.width, args.size.height],
         "seed": seed,

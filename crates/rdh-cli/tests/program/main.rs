@@ -3,6 +3,7 @@
 mod bench;
 mod cast;
 mod compare;
+mod guide;
 mod rays;
 mod render;
 mod report;

@@ -112,8 +112,50 @@ fn requests_without_sense_are_usage_errors() {
     rdh(&["tune", "tetra5", "--candidates", "kd+sah,what"]).failed(2, &["what"]);
     rdh(&["tune", "tetra5", "--weights", "shade=1"]).failed(2, &["shade=1", "classes: primary"]);
     rdh(&["tune", "tetra5", "balls3", "-o", "a.rdh"]).failed(2, &["one scene"]);
-    rdh(&["tune", "tetra5", "--candidates", "kd+rdh", "--size", "32x32"]).failed(1, &["needs no rays"]);
+    rdh(&["tune", "tetra5", "--candidates", "kd+rdh"]).failed(2, &["needs no rays"]);
+    rdh(&["tune", "tetra5", "--candidates", "kd+sah,auto"]).failed(2, &["'auto'"]);
     rdh(&["tune", "tetra5", "--rays", "no-such.rays"]).failed(1, &["no-such.rays"]);
+    rdh(&["tune", "tetra5", "--list"]).failed(2, &["--list"]);
     let list = rdh(&["tune", "--list"]).succeeded().stdout;
     assert!(list.contains("bvh8(high)+rdh") && list.lines().count() >= 8, "{list}");
+    let listed = json(&["tune", "--list", "--json"]);
+    assert_eq!(listed["candidates"].as_array().unwrap().len(), list.lines().count());
+}
+
+#[test]
+fn rays_of_another_scene_and_parts_of_a_split_are_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rays, sets] = ["a.rays", "s.rays"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    rdh(&["record", "tetra5", "--size", "32x32", "-o", &rays]).succeeded();
+    let ran = rdh(&["tune", "balls3", "--rays", &rays, "--counts-only", "--candidates", "bvh8+sah"]).succeeded();
+    assert!(ran.stderr.contains("recorded in tetra5, not in balls3"), "{}", ran.stderr);
+    let ran = rdh(&["tune", "tetra5", "--rays", &rays, "--counts-only", "--candidates", "bvh8+sah"]).succeeded();
+    assert_eq!(ran.stderr, "");
+    rdh(&["rays", &rays, "--split", "-o", &sets]).succeeded();
+    let unseen = folder.path().join("s.unseen.rays").to_str().unwrap().to_owned();
+    rdh(&["tune", "tetra5", "--rays", &unseen]).failed(2, &["the unseen set of a split"]);
+}
+
+#[test]
+fn a_saved_tree_knows_how_far_rays_have_drifted() {
+    let folder = tempfile::tempdir().unwrap();
+    let [here, there, tree] =
+        ["here.rays", "there.rays", "a.rdh"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    rdh(&["record", "flat:room", "--size", "64x64", "-o", &here]).succeeded();
+    rdh(&["record", "flat:outside", "--size", "64x64", "-o", &there]).succeeded();
+    rdh(&["tune", "flat", "--rays", &here, "--counts-only", "--candidates", FEW, "-o", &tree]).succeeded();
+    let drift = |rays: &str| {
+        let found =
+            json(&["verify", &tree, "--rays", rays, "--samples", "40", "--counts-only", "--margin", "1", "--json"]);
+        let by_rays = json(&["rays", rays, "--drift", &tree, "--json"])["drifts"][0]["p_value"].as_f64().unwrap();
+        (found["drift"]["drift"].as_f64().unwrap(), by_rays)
+    };
+    let (near, far) = (drift(&here), drift(&there));
+    assert!(near.0 < 0.1 && near.1 > 0.01 && far.0 > 0.3 && far.1 < 0.01, "{near:?} {far:?}");
+    let said =
+        rdh(&["verify", &tree, "--rays", &there, "--samples", "40", "--counts-only", "--margin", "1"]).succeeded();
+    assert!(said.stdout.contains("that it was made for: other rays"), "{}", said.stdout);
+    let bare = folder.path().join("bare.rdh").to_str().unwrap().to_owned();
+    rdh(&["build", "flat", "-o", &bare]).succeeded();
+    rdh(&["rays", &here, "--drift", &bare]).failed(1, &["bare.rdh", "holds no rays"]);
 }

@@ -139,7 +139,7 @@ impl RaySample {
     }
 
     /// Everything that tells rays apart: its bits, what was asked, and what it was for.
-    fn identity(&self) -> [u32; 10] {
+    pub(crate) fn identity(&self) -> [u32; 10] {
         let r: [u32; 9] = bytemuck::cast(self.ray);
         let tag = (self.query as u32) << 8 | self.class as u32;
         [r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], tag]

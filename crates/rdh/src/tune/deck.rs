@@ -48,6 +48,9 @@ impl Deck {
     pub(super) fn deal(samples: &[RaySample], class_weights: &[f64; 8]) -> Self {
         let counts = |s: &&RaySample| s.weight > 0 && class_weights[s.class as usize] > 0.0 && s.fault().is_none();
         let good: Vec<&RaySample> = samples.iter().filter(counts).collect();
+        let dropped = samples.len() - good.len();
+        let distinct = distinct(good);
+        let good: Vec<&RaySample> = distinct.iter().collect();
         let kinds = RayClass::ALL.into_iter().flat_map(|class| Query::ALL.map(|query| (class, query)));
         let of =
             |(class, query)| good.iter().copied().filter(|s| (s.class, s.query) == (class, query)).collect::<Vec<_>>();
@@ -55,7 +58,7 @@ impl Deck {
         let blocks = blocks(good.len());
         let groups =
             parts.iter().map(|part| Group::deal(part, class_weights[part[0].class as usize], blocks)).collect();
-        Self { groups, blocks, dropped: samples.len() - good.len(), effective: effective(&good, class_weights) }
+        Self { groups, blocks, dropped, effective: effective(&good, class_weights) }
     }
 
     /// Distinct rays.
@@ -109,6 +112,17 @@ impl Group {
     pub(super) fn rays(&self) -> usize {
         self.runs.iter().map(Vec::len).sum()
     }
+}
+
+/// Equal rays as one that stands for all of them: what is certain about it is certain only once. A [`Profile`](crate::Profile) holds
+/// no others, but sets may come from elsewhere.
+fn distinct(mut samples: Vec<&RaySample>) -> Vec<RaySample> {
+    samples.sort_by_key(|sample| sample.identity());
+    let one = |equal: &[&RaySample]| {
+        let weight = equal.iter().fold(0u32, |sum, sample| sum.saturating_add(sample.weight));
+        RaySample { weight, ..*equal[0] }
+    };
+    samples.chunk_by(|a, b| a.identity() == b.identity()).map(one).collect()
 }
 
 /// A place in a step, from 0 to 1, without a pattern: the finaliser of a common hash (MurmurHash3).
@@ -223,6 +237,9 @@ mod tests {
         samples[0].weight = u32::MAX;
         let deck = Deck::deal(&samples, &[1.0; 8]);
         assert!(deck.effective < 1.001 && deck.too_few("held-out").unwrap().contains("1 equal"));
+        let often = Deck::deal(&[sample(1, 2); 5000], &[1.0; 8]);
+        assert_eq!((often.samples(), often.weight(), often.dropped), (1, 10_000.0, 0));
+        assert!(often.too_few("held-out").unwrap().contains("held-out rays: 1,"));
         let none = Deck::deal(&[], &[1.0; 8]);
         assert!(none.too_few("training").unwrap().contains("training rays: 0,"));
         assert_eq!((none.weight(), none.effective), (0.0, 0.0));

@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::args::TuneArgs;
+use crate::commands::rays;
 use crate::commands::record::record;
 use crate::context::Context;
 use crate::staged::Staged;
@@ -52,7 +53,10 @@ impl Source {
 
     fn profile(&self, staged: &Staged, args: &TuneArgs, seed: u64) -> Result<Profile> {
         match self {
-            Self::File(_, profile) => Ok(profile.as_ref().clone()),
+            Self::File(file, profile) => {
+                rays::warn_of_other_scene(file, &serde_json::from_str(profile.settings())?, &staged.scene);
+                Ok(profile.as_ref().clone())
+            }
             Self::Mode(mode) => {
                 let first: Spec = FIRST.parse()?;
                 let accel = staged.build(&first, &Training::none())?;
@@ -115,6 +119,7 @@ fn save(file: &Path, accel: Accel, staged: &Staged, source: &Source, unseen: Pro
         "program": concat!("rdh ", env!("CARGO_PKG_VERSION")),
         "scene": *staged.setting,
         "view": staged.view.name,
+        "frame": staged.frame,
         "rays": source.name(),
     });
     let (seed, unseen) = (Some(seed), Some(unseen));

@@ -8,7 +8,7 @@ use rdh::Spec;
 use rdh::tune::CANDIDATES;
 use rdh_study::Target;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use self::case::{Case, Source};
 use crate::args::TuneArgs;
@@ -86,12 +86,29 @@ pub(crate) fn run(args: &TuneArgs, context: &Context) -> Result<()> {
 
 fn candidates(args: &TuneArgs) -> Result<Vec<Spec>> {
     let given = args.candidates.as_deref().map(Spec::list).transpose().map_err(|e| usage(e.to_string()))?;
-    Ok(given.unwrap_or_else(Spec::candidates))
+    let candidates = given.unwrap_or_else(Spec::candidates);
+    // What the library would say, too, but only after the rays are recorded.
+    if candidates.contains(&Spec::AUTO) {
+        return Err(usage("'auto' is the choice itself, not a candidate"));
+    }
+    if candidates.iter().all(Spec::needs_rays) {
+        return Err(usage("a candidate is needed that needs no rays, such as bvh8+sah, to be compared with"));
+    }
+    Ok(candidates)
 }
 
 fn sources(args: &TuneArgs) -> Result<Vec<Source>> {
     match &args.rays {
-        Some(file) => Ok(vec![Source::File(file.clone(), Box::new(super::rays::read(file)?))]),
+        Some(file) => {
+            let profile = super::rays::read(file)?;
+            let settings: Value = serde_json::from_str(profile.settings())?;
+            // A part of a split would be split again, into one part and two empty ones; and unseen rays must stay unseen.
+            if let Some(set) = settings["set"]["name"].as_str() {
+                let name = file.display();
+                return Err(usage(format!("{name} is the {set} set of a split; tune splits the whole profile itself")));
+            }
+            Ok(vec![Source::File(file.clone(), Box::new(profile))])
+        }
         None => Ok(args.mode.iter().map(|&mode| Source::Mode(mode)).collect()),
     }
 }

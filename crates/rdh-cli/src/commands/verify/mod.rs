@@ -10,7 +10,7 @@ use rdh_study::clock::thread_nanos;
 use rdh_study::verify::{Agreement, agreement, aimed_rays};
 use serde::Serialize;
 
-use super::rays;
+use super::rays::{self, Drift};
 use crate::args::VerifyArgs;
 use crate::context::Context;
 use crate::exit::{Disagreement, usage};
@@ -27,6 +27,8 @@ struct Verified {
     faults: Vec<String>,
     /// Nothing if the tree is not well-formed.
     brute_force: Option<Agreement>,
+    /// How far the rays of --rays are from those that the tree was made for.
+    drift: Option<Drift>,
     /// One a base; none without unseen rays, or for a tree that was built by areas itself.
     races: Vec<Race>,
     ok: bool,
@@ -67,7 +69,8 @@ pub(crate) fn run(args: &VerifyArgs, context: &Context) -> Result<()> {
     let right = sound && brute_force.as_ref().is_some_and(|b| b.different == 0);
     let ok = right && !races.iter().any(|race| race.slower);
     let file = args.tree.display().to_string();
-    let verified = Verified { version: 1, file, stats: *accel.stats(), faults, brute_force, races, ok };
+    let drift = drift(args, &accel, unseen.as_ref());
+    let verified = Verified { version: 1, file, stats: *accel.stats(), faults, brute_force, drift, races, ok };
     if context.json {
         print_json(&verified)?
     } else {
@@ -116,6 +119,12 @@ fn unseen(args: &VerifyArgs, accel: &Accel, seed: u64) -> Result<Option<Profile>
         Some("unseen") => Ok(Some(profile)),
         Some(other) => Err(usage(format!("{}: the {other} set does not judge", file.display()))),
     }
+}
+
+/// How far the rays that are given are from those that the tree has itself.
+fn drift(args: &VerifyArgs, accel: &Accel, given: Option<&Profile>) -> Option<Drift> {
+    args.rays.as_ref()?;
+    Drift::between(accel.provenance().unseen.as_ref()?, given?)
 }
 
 /// Aimed rays, and as many unseen ones.

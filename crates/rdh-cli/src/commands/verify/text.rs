@@ -19,6 +19,7 @@ pub(super) fn text(verified: &Verified, unseen: Option<&Profile>) -> String {
             Some(first) => format!("wrong: {} of {} rays, the first: {first}", agreement.different, agreement.rays),
         });
     }
+    lines.extend(verified.drift.iter().map(|d| d.text("the rays that it was made for")));
     match unseen {
         None => lines.push("not raced: there are no unseen rays".to_owned()),
         Some(_) if races.is_empty() => lines.push("not raced: it is built by areas itself".to_owned()),
