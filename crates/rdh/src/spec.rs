@@ -391,7 +391,7 @@ mod tests {
             ("kd+rdh(paper)", "kd+rdh(paper)"),
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
-            ("kd(compact)+rdh", "kd(idle=0.003)+rdh"),
+            ("kd(compact)+rdh", "kd(idle=0.001)+rdh"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
             ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),

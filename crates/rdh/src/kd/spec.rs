@@ -19,14 +19,14 @@ pub struct KdSpec {
 }
 
 impl KdSpec {
-    /// `compact`: for a ray heuristic, a tree of little more than half the memory, for rays like those that it knows no slower
-    /// (docs/measurements.md). Others may take longer.
+    /// `compact`: for a ray heuristic, a tree of half the memory, for rays like those that it knows no slower (docs/measurements.md).
+    /// Others may take longer.
     pub const COMPACT: Self = Self {
         leaf: LeafWidth::Eight,
         split: SplitSearch::Binned,
         prune: Prune::ByHeuristic,
         stop: Stop::Auto,
-        idle: 0.003,
+        idle: 0.001,
     };
 }
 
