@@ -17,6 +17,10 @@ impl<'a> Bits<'a> {
         first
     }
 
+    pub(crate) fn word(&mut self) -> u32 {
+        u32::from_le_bytes([0; 4].map(|_| self.byte()))
+    }
+
     pub(crate) fn below(&mut self, n: usize) -> usize {
         self.byte() as usize % n.max(1)
     }
@@ -24,7 +28,7 @@ impl<'a> Bits<'a> {
     /// Any bits, or a small number: those meet in ties and zeros.
     pub(crate) fn float(&mut self) -> f32 {
         match self.below(4) {
-            0 => f32::from_bits(u32::from_le_bytes([0; 4].map(|_| self.byte()))),
+            0 => f32::from_bits(self.word()),
             _ => f32::from(self.byte() as i8) / 16.0,
         }
     }

@@ -24,7 +24,9 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod strands;
 mod sweep;
+mod tile;
 pub(crate) mod trace;
 mod visits;
 
@@ -192,5 +194,18 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         hash.update(bytes_of(&self.nodes));
         hash.update(bytes_of(self.leaves.blocks()));
         hash.digest()
+    }
+}
+
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<L: Leaves> Bvh<8, L> {
+    /// [`Self::closest`] of each ray.
+    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
+        self.level.run(tile::Part::<leaf::Closest, L> { tree: self, rays, answers: hits, width });
+    }
+
+    /// [`Self::occluded`] of each ray.
+    pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
+        self.level.run(tile::Part::<leaf::Any, L> { tree: self, rays, answers: hits, width });
     }
 }
