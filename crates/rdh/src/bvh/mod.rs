@@ -68,7 +68,7 @@ pub struct Bvh<const W: usize, L = Copies> {
 
 /// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
 /// choices need no more.
-pub(crate) const RAYS_COUNTED: u32 = 256;
+pub(crate) const RAYS_COUNTED: u32 = 64;
 
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<const W: usize, L: Leaves> Bvh<W, L> {
