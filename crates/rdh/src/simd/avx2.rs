@@ -3,6 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
+use super::avx2_eight::Wide8;
 use super::avx2_sight;
 use super::portable::Portable;
 use super::reach::{LEAST_T, ROUNDING, UNDERFLOW};
@@ -45,6 +46,7 @@ impl Kernels for Avx2 {
     type Frame = Frame;
     type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {

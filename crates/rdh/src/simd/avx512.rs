@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::avx2::{Avx2, Frame, Sheared};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
+use super::avx2_eight::Wide8;
 use super::avx2_sight;
 use super::{
     Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, Met, Octet, RAYS, Shade, Sifted, Sight, Views,
@@ -32,6 +33,7 @@ impl Kernels for Avx512 {
     type Frame = Frame;
     type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {

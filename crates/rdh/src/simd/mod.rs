@@ -14,11 +14,14 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_boxes;
 #[cfg(target_arch = "x86_64")]
+mod avx2_eight;
+#[cfg(target_arch = "x86_64")]
 mod avx2_sight;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod block;
 mod boxes;
+mod eight;
 mod four;
 mod guess;
 mod indices;
@@ -27,17 +30,20 @@ mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
+mod prefetch;
 mod reach;
 mod sight;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use eight::{Eight, Hits};
 pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
+pub(crate) use prefetch::prefetch;
 pub(crate) use sight::{Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views, step_of};
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
@@ -205,6 +211,9 @@ pub(crate) trait Kernels: Copy {
 
     /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
     fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
+
+    /// Eight floats: what packets of rays are made of.
+    type Eight: Eight;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);
