@@ -278,8 +278,8 @@ fn finish<K: Kernels>(
         return;
     };
     let mut corners = [any; RAYS];
-    for i in 0..RAYS {
-        corners[i] = face.corners.get(octet.best[i] as usize).unwrap_or(any);
+    for (corners, &best) in corners.iter_mut().zip(&octet.best) {
+        *corners = face.corners.get(best as usize).unwrap_or(any);
     }
     K::meet_own(aims, eye, &corners, met);
     for (lane, &i) in order.iter().enumerate() {

@@ -31,7 +31,7 @@ impl EyeTree {
     /// The face and the frame of a ray that starts at the eye.
     fn own(&self, ray: &Ray) -> Option<(&Face, RayFrame)> {
         // Bit for bit: that of −0 and 0 would make zeros of other signs.
-        if ray.origin.map(f32::to_bits) != self.eye.map(f32::to_bits) || !ray.is_valid() || !(ray.t_min >= 0.0) {
+        if ray.origin.map(f32::to_bits) != self.eye.map(f32::to_bits) || !ray.is_valid() || ray.t_min < 0.0 {
             return None;
         }
         let frame = RayFrame::new(ray);

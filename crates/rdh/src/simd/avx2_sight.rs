@@ -211,8 +211,8 @@ fn number(x: u32) -> __m256 {
 #[inline(always)]
 fn corner(corners: &[&Corners; RAYS], c: usize) -> [*const f32; RAYS] {
     let mut rows = [std::ptr::null(); RAYS];
-    for i in 0..RAYS {
-        rows[i] = corners[i][c].as_ptr();
+    for (row, corners) in rows.iter_mut().zip(corners) {
+        *row = corners[c].as_ptr();
     }
     rows
 }
@@ -221,8 +221,8 @@ fn corner(corners: &[&Corners; RAYS], c: usize) -> [*const f32; RAYS] {
 #[inline(always)]
 fn numbers(rays: &[Ray; RAYS], first: usize) -> [*const f32; RAYS] {
     let mut rows = [std::ptr::null(); RAYS];
-    for i in 0..RAYS {
-        rows[i] = std::ptr::from_ref(&rays[i]).cast::<f32>().wrapping_add(first);
+    for (row, ray) in rows.iter_mut().zip(rays) {
+        *row = std::ptr::from_ref(ray).cast::<f32>().wrapping_add(first);
     }
     rows
 }

@@ -251,7 +251,7 @@ pub(super) fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
 #[inline(always)]
 pub(super) fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
     met.hits = 0;
-    for i in 0..RAYS {
+    for (i, corners) in corners.iter().enumerate() {
         let frame = RayFrame {
             k: [0, 1, 2],
             origin: *eye,
@@ -260,7 +260,7 @@ pub(super) fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met:
             t_min: aims.t_min[i],
             t_max: aims.t_max[i],
         };
-        let corners = corners[i].map(|[x, y, z, _]| [x, y, z]);
+        let corners = corners.map(|[x, y, z, _]| [x, y, z]);
         if let Some(hit) = hit_triangle(&frame, &corners, TriId(0)) {
             (met.t[i], met.u[i], met.v[i]) = (hit.t, hit.u, hit.v);
             met.hits |= 1 << i;
