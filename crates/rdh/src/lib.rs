@@ -11,14 +11,17 @@
 //! rays that are really cast instead. This crate builds kd-trees by both, and traces them watertight.
 
 pub mod accel;
+mod batch;
 mod build;
 pub mod bvh;
 mod clip;
 pub mod error;
+pub mod eye;
 pub mod fault;
 pub mod geom;
 pub mod heuristic;
 pub mod kd;
+pub mod lazy;
 mod leaf;
 mod mem;
 pub mod mesh;

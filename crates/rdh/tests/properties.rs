@@ -3,7 +3,7 @@
 mod common;
 
 use common::meshes::{Random, closed, nasty};
-use common::rays::{AIMS, Aim, aimed, mixed};
+use common::rays::{AIMS, Aim, aimed, batch, mixed};
 use common::{SPECS, build_spec};
 use rdh::simd::Level;
 use rdh::{Counts, Hit, Mesh, Ray, naive};
@@ -36,6 +36,85 @@ fn every_structure_agrees_with_brute_force_bit_for_bit() {
             }
         }
     }
+}
+
+/// Whatever batches are made of, and however long they are, their rays hit what they hit alone.
+#[test]
+fn batches_answer_as_single_rays_do() {
+    const SIZES: [usize; 9] = [0, 1, 7, 63, 64, 65, 200, 1000, 5000];
+    let meshes = nasty().into_iter().map(|(name, mesh)| (name, mesh, [0.1, 0.2, 0.3])).chain(closed());
+    for (name, mesh, inside) in meshes {
+        for spec in ["bvh8+sah", "bvh8(high)+sah", "sbvh8+sah", "bvh8(compact)+sah", "bvh8+rdh", "bvh4+sah", "kd+sah"] {
+            let accel = build_spec(&mesh, spec);
+            for (seed, size) in SIZES.into_iter().enumerate() {
+                let rays = batch(&mesh, inside, size, seed as u64);
+                let expected: Vec<_> = rays.iter().map(|ray| bits(accel.closest(ray))).collect();
+                for level in Level::available() {
+                    let accel = accel.clone().with_level(level);
+                    // What was there before is not what is found.
+                    let (mut hits, mut occluded) = (vec![None; size], vec![size % 2 == 0; size]);
+                    accel.closest_many(&rays, &mut hits);
+                    accel.occluded_many(&rays, &mut occluded);
+                    for (i, ray) in rays.iter().enumerate() {
+                        let at = || format!("{name}, {spec}, {}, {i} of {size}: {ray:?}", level.name());
+                        assert_eq!(bits(hits[i]), expected[i], "{}", at());
+                        assert_eq!(occluded[i], expected[i].is_some(), "{}", at());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn batches_respect_masks() {
+    let plain = common::meshes::soup(400, 0.3, 25);
+    let masks: Vec<u32> = (0..plain.len() as u32).map(|i| 1 << (i % 3)).collect();
+    let mesh = plain.with_masks(masks).expect("one mask a triangle");
+    let accel = build_spec(&mesh, "bvh8+sah");
+    let masked = |(i, ray): (usize, Ray)| ray.masked([0, 1, 2, 5, 7][i % 5]);
+    let rays: Vec<Ray> = batch(&mesh, [0.5; 3], 4000, 1).into_iter().enumerate().map(masked).collect();
+    for level in Level::available() {
+        let accel = accel.clone().with_level(level);
+        let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+        accel.closest_many(&rays, &mut hits);
+        accel.occluded_many(&rays, &mut occluded);
+        for (i, ray) in rays.iter().enumerate() {
+            assert_eq!(bits(hits[i]), bits(accel.closest(ray)), "{}, {ray:?}", level.name());
+            assert_eq!(occluded[i], hits[i].is_some(), "{}, {ray:?}", level.name());
+        }
+    }
+    assert!(rays.iter().any(|ray| accel.occluded(ray)) && rays.iter().any(|ray| !accel.occluded(ray)));
+}
+
+/// Half a million rays from inside closed meshes, in bundles at edges and vertices: none escapes.
+#[test]
+fn no_ray_of_a_batch_escapes_from_a_closed_mesh() {
+    let mut cast = 0;
+    for (name, mesh, inside) in closed() {
+        let accel = build_spec(&mesh, "bvh8+sah");
+        for aim in AIMS {
+            let mut random = Random::new(31);
+            let mut rays = Vec::new();
+            while rays.len() < 16_000 {
+                // Many rays at one place, some exactly alike.
+                let first = aimed(&mesh, inside, aim, &mut random);
+                let near = |random: &mut Random| first.direction.map(|x| x * (1.0 + 1e-5 * random.between(-1.0, 1.0)));
+                rays.push(first);
+                rays.extend(
+                    (1..64).map(|i| if i % 3 == 0 { first } else { Ray { direction: near(&mut random), ..first } }),
+                );
+            }
+            let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+            accel.closest_many(&rays, &mut hits);
+            accel.occluded_many(&rays, &mut occluded);
+            for (i, ray) in rays.iter().enumerate() {
+                assert!(hits[i].is_some() && occluded[i], "{name}, {aim:?}: missed by {ray:?}");
+            }
+            cast += rays.len();
+        }
+    }
+    assert!(cast > 500_000, "only {cast} rays");
 }
 
 #[test]

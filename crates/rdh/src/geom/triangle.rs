@@ -45,15 +45,25 @@ impl RayFrame {
     pub fn new(ray: &Ray) -> Self {
         let ([x, y, z], [ox, oy, oz]) = (ray.direction, ray.origin);
         // Selected, not indexed: an array indexed by a variable would go through memory.
-        let (k, d, origin) = if x.abs() > y.abs() && x.abs() > z.abs() {
-            ([1, 2, 0], [y, z, x], [oy, oz, ox])
-        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
-            ([2, 0, 1], [z, x, y], [oz, ox, oy])
-        } else {
-            ([0, 1, 2], [x, y, z], [ox, oy, oz])
+        let (k, d, origin) = match Self::main_axis(&ray.direction) {
+            0 => ([1, 2, 0], [y, z, x], [oy, oz, ox]),
+            1 => ([2, 0, 1], [z, x, y], [oz, ox, oy]),
+            _ => ([0, 1, 2], [x, y, z], [ox, oy, oz]),
         };
         let [dx, dy, dz] = d;
         Self { k, origin, shear: [dx / dz, dy / dz], direction_z: dz, t_min: ray.t_min, t_max: ray.t_max }
+    }
+
+    /// The axis along which a ray moves most.
+    #[inline(always)]
+    pub(crate) fn main_axis(&[x, y, z]: &Vec3) -> usize {
+        if x.abs() > y.abs() && x.abs() > z.abs() {
+            0
+        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
+            1
+        } else {
+            2
+        }
     }
 
     /// A corner's coordinates along the frame's axes.
@@ -124,7 +134,14 @@ pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) ->
 
 /// [`hit_triangle`] for corners that are in the ray's frame, and the interval of `t` that counts.
 #[inline(always)]
-pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, (t_min, t_max): (f32, f32), tri: TriId) -> Option<Hit> {
+pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, interval: (f32, f32), tri: TriId) -> Option<Hit> {
+    let [t, u, v] = crossing(p, direction_z, interval)?;
+    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+}
+
+/// What is left of the test once the corners are in the ray's frame: `t`, `u` and `v`.
+#[inline(always)]
+pub(crate) fn crossing(p: &[Vec3; 3], direction_z: f32, (t_min, t_max): (f32, f32)) -> Option<Vec3> {
     let w = edge_functions(p);
     // Without short cuts: which side a triangle shows is as good as random, and a wrong guess costs more than all of it.
     let (some_below, some_above) =
@@ -143,8 +160,7 @@ pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, (t_min, t_max): (f32,
     if !((t >= t_min) & (t <= t_max) & t.is_finite()) {
         return None;
     }
-    let (u, v) = ((w[1] / sum) as f32, (w[2] / sum) as f32);
-    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+    Some([t, (w[1] / sum) as f32, (w[2] / sum) as f32])
 }
 
 /// Whether a triangle that was hit also *owns* the crossing, so that of the triangles around a shared edge or corner exactly

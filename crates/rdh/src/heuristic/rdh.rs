@@ -94,6 +94,11 @@ impl Rdh {
         Self { lines: self.lines[..most.min(self.lines.len())].to_vec(), ..*self }
     }
 
+    /// The same over the rays in a node alone.
+    pub(crate) fn within(&self, rays: &NodeRays) -> Self {
+        Self { lines: rays.rays().map(|ray| self.lines[ray as usize]).collect(), ..*self }
+    }
+
     /// The same, counted with other instructions.
     pub(crate) fn with_level(self, level: Level) -> Self {
         Self { level, ..self }

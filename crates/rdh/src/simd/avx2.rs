@@ -3,9 +3,14 @@
 use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
+use super::avx2_eight::Wide8;
+use super::avx2_sight;
 use super::portable::Portable;
 use super::reach::{LEAST_T, ROUNDING, UNDERFLOW};
-use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
+use super::{
+    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted, Sight,
+    Views,
+};
 use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
 /// Runs a job with AVX2.
@@ -41,6 +46,7 @@ impl Kernels for Avx2 {
     type Frame = Frame;
     type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {
@@ -197,6 +203,31 @@ impl Kernels for Avx2 {
             _mm256_storeu_si256(out.as_mut_ptr().cast(), bins);
         }
         out
+    }
+
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        avx2_sight::in_view(entry, views)
+    }
+
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        avx2_sight::see(sight, index, octet)
+    }
+
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        avx2_sight::shade(sight, rays)
+    }
+
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        avx2_sight::aim(rays, eye, aims);
+    }
+
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        avx2_sight::meet_own(aims, eye, corners, met);
     }
 }
 

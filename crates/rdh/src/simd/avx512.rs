@@ -4,7 +4,11 @@ use std::arch::x86_64::*;
 
 use super::avx2::{Avx2, Frame, Sheared};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
-use super::{Block, Boxes, Entered, Indices, Job, Kernels, Sifted};
+use super::avx2_eight::Wide8;
+use super::avx2_sight;
+use super::{
+    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, Met, Octet, RAYS, Shade, Sifted, Sight, Views,
+};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX-512.
@@ -29,6 +33,7 @@ impl Kernels for Avx512 {
     type Frame = Frame;
     type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {
@@ -137,5 +142,30 @@ impl Kernels for Avx512 {
     #[inline(always)]
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
         Avx2::bin(values, first, scale, last)
+    }
+
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        avx2_sight::in_view(entry, views)
+    }
+
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        avx2_sight::see(sight, index, octet)
+    }
+
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        avx2_sight::shade(sight, rays)
+    }
+
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        avx2_sight::aim(rays, eye, aims);
+    }
+
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        avx2_sight::meet_own(aims, eye, corners, met);
     }
 }

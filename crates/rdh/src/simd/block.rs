@@ -42,6 +42,17 @@ impl Block {
         self.ids[lane] = id;
     }
 
+    /// The corners of the triangle in a lane, along some order of the axes.
+    #[inline(always)]
+    pub(crate) fn corners_along(&self, lane: usize, [kx, ky, kz]: [usize; 3]) -> [Vec3; 3] {
+        let ([a, b, c], (kx, ky, kz), lane) = (&self.corners, (kx.min(2), ky.min(2), kz.min(2)), lane & (LANES - 1));
+        [
+            [a[kx][lane], a[ky][lane], a[kz][lane]],
+            [b[kx][lane], b[ky][lane], b[kz][lane]],
+            [c[kx][lane], c[ky][lane], c[kz][lane]],
+        ]
+    }
+
     /// The corners of the triangle in a lane.
     #[inline(always)]
     pub(crate) fn corners(&self, lane: usize) -> [Vec3; 3] {

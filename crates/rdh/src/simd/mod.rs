@@ -14,9 +14,14 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_boxes;
 #[cfg(target_arch = "x86_64")]
+mod avx2_eight;
+#[cfg(target_arch = "x86_64")]
+mod avx2_sight;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 mod block;
 mod boxes;
+mod eight;
 mod four;
 mod guess;
 mod indices;
@@ -25,16 +30,21 @@ mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
+mod prefetch;
 mod reach;
+mod sight;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use eight::{Eight, Hits};
 pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
+pub(crate) use prefetch::prefetch;
+pub(crate) use sight::{Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views, step_of};
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -202,6 +212,9 @@ pub(crate) trait Kernels: Copy {
     /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
     fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
 
+    /// Eight floats: what packets of rays are made of.
+    type Eight: Eight;
+
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);
 
@@ -217,6 +230,38 @@ pub(crate) trait Kernels: Copy {
 
     /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
+
+    /// Which of eight octets of an eye's rays a triangle may be of interest to: a bit an octet.
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        sight::in_view(entry, views)
+    }
+
+    /// Compares a triangle, given with its index, with eight rays from the eye; whether anything has changed.
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        sight::see(sight, index, octet)
+    }
+
+    /// Which of eight rays towards the eye a triangle may stop, were they to end at the eye, and which it surely does,
+    /// whatever its mask.
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        sight::shade(sight, rays)
+    }
+
+    /// Makes eight rays ready that start at the eye, bit for bit; all others are strays.
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        sight::aim(rays, eye, aims);
+    }
+
+    /// THE triangle test, bit for bit, of eight rays from the eye, each with a triangle of its own. The eye is given along the axes of
+    /// the rays' side, as the corners are.
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        sight::meet_own(aims, eye, corners, met);
+    }
 }
 
 #[cfg(test)]

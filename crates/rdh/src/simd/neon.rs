@@ -1,6 +1,7 @@
 //! 64-bit ARM with NEON: eight lanes as two registers of four.
 
 use super::arm::*;
+use super::eight::Plain8;
 use super::portable::Portable;
 use super::reach::{self, Sheared};
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
@@ -41,6 +42,7 @@ impl Kernels for Neon {
     type Frame = Frame;
     type Sheared = [Half; 2];
     type BoxRay = WideRay;
+    type Eight = Plain8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {

@@ -1,5 +1,6 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
+use super::eight::Plain8;
 use super::reach::{self, Sheared};
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
@@ -27,6 +28,7 @@ impl Kernels for Portable {
     type Frame = RayFrame;
     type Sheared = Eight;
     type BoxRay = BoxRay;
+    type Eight = Plain8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> RayFrame {
