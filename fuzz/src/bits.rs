@@ -33,9 +33,10 @@ impl<'a> Bits<'a> {
         }
     }
 
-    pub(crate) fn finite(&mut self) -> f32 {
+    /// A coordinate as clippers see them: meshes are scaled before, so that none is beyond 2²⁰.
+    pub(crate) fn scaled(&mut self) -> f32 {
         let x = self.float();
-        if x.is_finite() { x } else { 0.5 }
+        if x.abs() <= (1 << 20) as f32 { x } else { 0.5 }
     }
 
     /// From anywhere, at a corner, at an edge or along an axis.

@@ -51,7 +51,7 @@ pub fn log(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log");
     std::fs::write(&path, data).expect("a file");
-    drop(rdh_study::study::log::read(&path));
+    drop(rdh_study::study::log::read::<rdh_study::study::Record>(&path));
 }
 
 /// Opens a saved tree, or what was made of one; what is opened can be used.
@@ -62,9 +62,9 @@ pub fn saved(data: &[u8]) {
 /// Cuts a triangle: both parts' boxes must hold the points of the triangle on their side, computed in f64.
 pub fn clip(data: &[u8]) {
     let mut bits = Bits::new(data);
-    let corners = [0; 3].map(|_| [0; 3].map(|_| bits.finite()));
+    let corners = [0; 3].map(|_| [0; 3].map(|_| bits.scaled()));
     let axis = rdh::Axis::ALL[bits.below(3)];
-    let (plane, a) = (bits.finite(), axis.index());
+    let (plane, a) = (bits.scaled(), axis.index());
     let (left, right) = rdh::fuzzing::split_triangle(&corners, axis, plane);
     for _ in 0..16 {
         let (u, v) = (f64::from(bits.byte()) / 512.0, f64::from(bits.byte()) / 512.0);

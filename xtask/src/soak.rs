@@ -57,6 +57,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     }
     let fine = command.current_dir(root).status().context("cargo")?.success();
     keep_record(arguments, &kept, fine)?;
+    if arguments.engines.is_some() {
+        std::fs::copy(&kept, reliability::folder()?.join("others.json"))?;
+    }
     Ok(fine)
 }
 

@@ -162,7 +162,7 @@ fn print_others(others: &[Other]) {
 fn number(text: &str) -> Result<u64, String> {
     let parsed = text.parse().ok().or_else(|| {
         let x: f64 = text.parse().ok()?;
-        (x >= 0.0 && x < 1e18 && x.fract() == 0.0).then_some(x as u64)
+        ((0.0..1e18).contains(&x) && x.fract() == 0.0).then_some(x as u64)
     });
     parsed.ok_or(format!("'{text}' is no whole number"))
 }

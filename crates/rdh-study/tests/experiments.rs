@@ -74,3 +74,30 @@ fn every_source_of_rays_gives_a_tree_and_this_frames_are_paid_for() {
     let is_right = |c: &&rdh_study::Curve| c.name.starts_with("rule");
     assert!(found.curves.iter().filter(is_right).flat_map(|c| &c.points).all(|p| p[1] == 0.0 || p[1] == 1.0));
 }
+
+#[test]
+fn every_frame_is_paid_for_from_the_mesh_to_the_last_ray() {
+    let scene = boxes(3);
+    let (mut entry, plan) = (entry(&scene), plan(std::slice::from_ref(&scene)));
+    entry.frames = 3;
+    let load = loader(vec![scene]);
+    let lab = Lab::open(&entry, 0, &plan, &load, None).unwrap();
+    let (experiment, scene, view) = ("frames".to_owned(), entry.id.clone(), "inside".to_owned());
+    let mut found = Record::of(Job { experiment, scene, view, frame: 0, mode: Mode::Primary });
+    experiment::find("frames").expect("it is there").run(&lab, &mut found).unwrap();
+    assert!(found.failures.is_empty() && found.mismatches.is_empty(), "{:?} {:?}", found.failures, found.mismatches);
+    let frames: std::collections::BTreeSet<_> = found.rows.iter().filter_map(|r| r.x).map(|x| x as u32).collect();
+    assert_eq!(frames.into_iter().collect::<Vec<_>>(), [1, 2]);
+    let of = |spec: &'static str| found.rows.iter().filter(move |r| r.spec.to_string() == spec);
+    // Two classes in two frames; all but the base stand in two settings.
+    assert_eq!(of("kd(split=exact)+sah").count(), 4);
+    for spec in ["bvh8(quick)+sah", "kd+sah", "bvh8(quick,lazy)+sah", "bvh8(lazy)+rdh", "auto"] {
+        assert_eq!(of(spec).count(), 8, "{spec}");
+        assert!(of(spec).all(|r| r.build_secs > 0.0 && r.nanos_per_ray > 0.0 && r.steps_per_ray > 0.0), "{spec}");
+    }
+    assert!(of("bvh8(lazy)+rdh").all(|r| r.rrs_secs > 0.0 && r.trained_on > 0));
+    assert!(of("bvh8(quick,lazy)+sah").all(|r| r.rrs_secs == 0.0));
+    // Each candidate is tried once, in order.
+    let chosen: Vec<String> = of("auto").step_by(4).filter_map(|r| Some(r.chosen?.to_string())).collect();
+    assert_eq!(chosen, ["bvh8(quick,lazy)+sah", "bvh8(quick)+sah"]);
+}

@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::batch;
-use crate::bvh::{self, Bvh, Shared, Triangles, Width};
+use crate::bvh::{self, Bvh, Shared, Triangles, When, Width};
 use crate::error::{Error, Result};
 use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
+use crate::lazy::Lazy;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
@@ -49,6 +50,7 @@ pub(crate) enum Structure {
     Bvh4(Bvh<4>),
     Bvh8(Bvh<8>),
     Compact8(Bvh<8, Shared>),
+    Lazy(Lazy),
 }
 
 /// Does the same with whichever structure it is.
@@ -60,6 +62,7 @@ macro_rules! each {
             Structure::Bvh4($tree) => $work,
             Structure::Bvh8($tree) => $work,
             Structure::Compact8($tree) => $work,
+            Structure::Lazy($tree) => $work,
         }
     };
 }
@@ -112,22 +115,29 @@ pub(crate) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> 
 }
 
 fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Structure> {
-    let scale = crate::geom::Scale::of(&mesh.bounds()).factor();
+    let scale = || crate::geom::Scale::of(&mesh.bounds()).factor();
     match spec.structure {
         StructureSpec::Kd(mut kd) => {
             if kd.prune == Prune::ByHeuristic {
                 kd.prune = if spec.heuristic.prunes_by_visits() { Prune::Visits } else { Prune::Area };
             }
-            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale, options.level());
+            let heuristic = heuristic::from_spec(&spec.heuristic, rays, scale(), options.level());
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
         StructureSpec::Auto => Err(nameless(spec)),
+        StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand => {
+            let rays = match &spec.heuristic {
+                HeuristicSpec::Sah => None,
+                HeuristicSpec::Rdh(rdh) => Some((rdh, rays)),
+            };
+            Ok(Structure::Lazy(Lazy::build(mesh, &bvh, rays, options)?))
+        }
         StructureSpec::Bvh(bvh) => {
             let guide = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
                 HeuristicSpec::Rdh(rdh) => {
                     let cap = rdh.cap.or(Some(bvh::RAYS_COUNTED));
-                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale).with_level(options.level()))
+                    Some(Rdh::new(&RdhSpec { cap, ..*rdh }, rays, scale()).with_level(options.level()))
                 }
             };
             let guide = guide.as_ref();
@@ -145,6 +155,12 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
 /// Text can't name such a spec, but code can.
 pub(crate) fn unknown_form(spec: &Spec) -> Error {
     Error::Spec { spec: spec.to_string(), reason: "shared triangles are for eight children a node".to_owned() }
+}
+
+/// For a structure that is never finished.
+pub(crate) fn unsaved(spec: &Spec) -> Error {
+    let reason = "what grows where rays come is not saved: build it again, or save one without 'lazy'".to_owned();
+    Error::Spec { spec: spec.to_string(), reason }
 }
 
 /// For a spec that leaves the choice open.
@@ -232,7 +248,7 @@ impl Accel {
         each!(&self.structure, tree => tree.all_hits(ray, counts, hits));
     }
 
-    /// What was built.
+    /// What was built; of a lazy structure, what had been when the build ended ([`Lazy::growth`] says how it is now).
     pub fn stats(&self) -> &Stats {
         &self.stats
     }
@@ -275,6 +291,14 @@ impl Accel {
         }
     }
 
+    /// The lazy structure, if it is one: to see how it grows.
+    pub fn lazy(&self) -> Option<&Lazy> {
+        match &self.structure {
+            Structure::Lazy(tree) => Some(tree),
+            _ => None,
+        }
+    }
+
     /// All faults of the structure over its mesh; none if it is well-formed.
     pub fn check(&self, mesh: &Mesh) -> Vec<Fault> {
         each!(&self.structure, tree => tree.check(mesh))
@@ -288,6 +312,7 @@ impl Accel {
             Structure::Bvh4(tree) => Structure::Bvh4(tree.with_level(level)),
             Structure::Bvh8(tree) => Structure::Bvh8(tree.with_level(level)),
             Structure::Compact8(tree) => Structure::Compact8(tree.with_level(level)),
+            Structure::Lazy(tree) => Structure::Lazy(tree.with_level(level)),
         };
         Self { structure, ..self }
     }
@@ -301,13 +326,22 @@ impl Accel {
 impl Structure {
     /// Its arrays, to be saved.
     pub(crate) fn parts(&self) -> Vec<Written<'_>> {
-        each!(self, tree => tree.parts())
+        match self {
+            // It is refused before.
+            Self::Lazy(_) => Vec::new(),
+            Self::Kd(tree) => tree.parts(),
+            Self::Bvh2(tree) => tree.parts(),
+            Self::Bvh4(tree) => tree.parts(),
+            Self::Bvh8(tree) => tree.parts(),
+            Self::Compact8(tree) => tree.parts(),
+        }
     }
 
     /// The structure of this kind that saved arrays make, checked.
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
             StructureSpec::Auto => return Err(nameless(spec)),
+            StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand => return Err(unsaved(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match (bvh.width, bvh.triangles) {
                 (Width::Two, Triangles::Copied) => Self::Bvh2(Bvh::from_parts(parts, mesh)?),
@@ -329,10 +363,17 @@ impl Structure {
             Self::Bvh4(tree) => bvh_stats(tree.tally()),
             Self::Bvh8(tree) => bvh_stats(tree.tally()),
             Self::Compact8(tree) => bvh_stats(tree.tally()),
+            Self::Lazy(tree) => lazy_stats(tree.growth()),
         };
         let bytes = each!(self, tree => tree.bytes());
         Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }
     }
+}
+
+fn lazy_stats(g: crate::lazy::Growth) -> (usize, usize, usize, usize, usize) {
+    let leaves = g.tree_leaves + g.waiting + g.bare;
+    let references = g.tree_triangles + g.waiting_triangles + g.bare_triangles;
+    (g.upper_nodes + g.tree_nodes + leaves, leaves, 0, references, g.depth)
 }
 
 fn bvh_stats(t: crate::bvh::Tally) -> (usize, usize, usize, usize, usize) {

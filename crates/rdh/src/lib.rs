@@ -21,6 +21,7 @@ pub mod fault;
 pub mod geom;
 pub mod heuristic;
 pub mod kd;
+pub mod lazy;
 mod leaf;
 mod mem;
 pub mod mesh;

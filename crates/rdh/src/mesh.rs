@@ -124,7 +124,8 @@ impl Mesh {
         self.solid_among(0..self.len())
     }
 
-    fn solid_among(&self, ids: Range<usize>) -> impl Iterator<Item = TriId> + '_ {
+    /// Those of a range.
+    pub(crate) fn solid_among(&self, ids: Range<usize>) -> impl Iterator<Item = TriId> + '_ {
         let solid = |[a, b, c]: &[u32; 3]| a != b && b != c && a != c;
         let triangles = (ids.start as u32..).zip(&self.triangles[ids]);
         triangles.filter(move |(_, triangle)| solid(triangle)).map(|(id, _)| TriId(id))

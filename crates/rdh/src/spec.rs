@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, Width};
+use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, When, Width};
 use crate::error::{Error, Result};
 use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
@@ -60,6 +60,9 @@ impl Spec {
                 if self.needs_rays() && stages.splits == By::Rays =>
             {
                 "split=sweep compares areas: rdh counts rays between bins, unless splits=areas".to_owned()
+            }
+            StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand && !bvh.can_be_lazy() => {
+                "lazy is for bvh8, alone or with quick or high".to_owned()
             }
             StructureSpec::Kd(_) if stages != Stages::default() => {
                 format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
@@ -211,7 +214,8 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
             ("from", _) => bvh.splitter = choice(key, value, &[("kd", Splitter::KdTree)])?,
             ("compact", "") if width == Width::Eight => bvh.triangles = Triangles::Shared,
             ("compact", "") => return Err(format!("compact is for bvh8 and sbvh8, not for {}", part.name)),
-            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep, from=kd, compact")),
+            ("lazy", "") => bvh.when = When::OnDemand,
+            _ => return Err(unknown(part.name, key, "quick, high, split=binned|sweep, from=kd, compact, lazy")),
         }
     }
     Ok(bvh)
@@ -237,7 +241,8 @@ fn bvh_parameters(bvh: &BvhSpec) -> Vec<String> {
     let split = (bvh.split == bvh::SplitSearch::Sweep).then_some("split=sweep");
     let from = (bvh.splitter == Splitter::KdTree).then_some("from=kd");
     let compact = (bvh.triangles == Triangles::Shared).then_some("compact");
-    effort.into_iter().chain(split).chain(from).chain(compact).map(str::to_owned).collect()
+    let lazy = (bvh.when == When::OnDemand).then_some("lazy");
+    effort.into_iter().chain(split).chain(from).chain(compact).chain(lazy).map(str::to_owned).collect()
 }
 
 fn parse_sah(part: &Part<'_>) -> Result<HeuristicSpec, String> {
@@ -400,6 +405,8 @@ mod tests {
             ("bvh4(quick)+sah", "bvh4(quick)+sah"),
             ("bvh8(from=kd,high)+rdh", "bvh8(high,from=kd)+rdh"),
             ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
+            ("bvh8(lazy,quick)", "bvh8(quick,lazy)+sah"),
+            ("bvh8(lazy)+rdh", "bvh8(lazy)+rdh"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -421,6 +428,12 @@ mod tests {
             "bvh4(compact)",
             "kd(compact=2)",
             "kd(compact,idle=0.1)",
+            "bvh4(lazy)",
+            "sbvh8(lazy)",
+            "bvh8(lazy,compact)",
+            "bvh8(lazy,from=kd)",
+            "bvh8(lazy,split=sweep)",
+            "bvh8(lazy=yes)",
             "sbvh8(from=kd)",
             "bvh8(quick,high)",
             "bvh8(split=exact)",

@@ -20,8 +20,10 @@ struct Known {
 
 pub(super) struct Page {
     known: BTreeMap<&'static str, Known>,
-    /// What `soak` found out, in full.
+    /// What `soak` found out, in full; with brute force, if it was not run without.
     soak: Option<Value>,
+    /// What other libraries missed, of the run that asked them last.
+    others: Option<Value>,
 }
 
 impl Page {
@@ -34,7 +36,8 @@ impl Page {
                     .insert(check, Known::of(&record).with_context(|| format!("{check}.record.json is not a record"))?);
             }
         }
-        Ok(Self { known, soak: read(&folder.join("soak.json"))? })
+        let (soak, brute) = (read(&folder.join("soak.json"))?, read(&folder.join("brute.json"))?);
+        Ok(Self { known, soak: soak.or(brute), others: read(&folder.join("others.json"))? })
     }
 
     pub(super) fn is_clean(&self) -> bool {
@@ -56,8 +59,8 @@ impl Page {
             out += &structures(soak);
             out += "\n";
             out += &meshes(soak);
-            out += &others(soak);
         }
+        out += &self.others.as_ref().map(others).unwrap_or_default();
         out
     }
 }
@@ -124,12 +127,9 @@ fn meshes(soak: &Value) -> String {
 }
 
 /// What others miss, in percent: a row an engine and mesh, a column an aim.
-fn others(soak: &Value) -> String {
-    let all = list(&soak["others"]);
-    if all.is_empty() {
-        return String::new();
-    }
-    let aims: Vec<&str> = list(&soak["aims"]).iter().filter_map(Value::as_str).collect();
+fn others(found: &Value) -> String {
+    let all = list(&found["others"]);
+    let aims: Vec<&str> = list(&found["aims"]).iter().filter_map(Value::as_str).collect();
     let mut out = format!(
         "\n## What other libraries miss of such rays\n\n{ABOUT_OTHERS}\n| library | mesh | {} |\n",
         aims.join(" | ")
@@ -204,12 +204,10 @@ mod tests {
                 "aims": ["vertex", "edge"], "specs": ["kd+sah"], "levels": ["portable"],
                 "total": { "rays": 2_500_000, "by_level": [1234], "by_structure": [[[5, 1, 0], [6, 1, 2]]] },
                 "meshes": [["box", 12, 3_000_000, 2]],
-                "others": [
-                    { "engine": "other", "mesh": "box", "aim": "vertex", "rays": 1000, "missed": 25 },
-                    { "engine": "other", "mesh": "box", "aim": "edge", "rays": 1000, "missed": 0 },
-                ],
             }),
         );
+        let other = |aim: &str, missed: u64| json!({ "engine": "other", "mesh": "box", "aim": aim, "rays": 1000, "missed": missed });
+        keep("others.json", json!({ "aims": ["vertex", "edge"], "others": [other("vertex", 25), other("edge", 0)] }));
         let page = Page::of(folder.path()).unwrap();
         assert!(!page.is_clean());
         let text = page.text();

@@ -123,8 +123,18 @@ impl<'a> Lab<'a> {
 
     /// The test rays of a view in a mode, by class.
     pub fn rays(&self, view: &View, mode: Mode) -> Vec<RayBatch> {
-        let shoot = Shoot::new(&self.stage, mode, view, self.plan);
+        self.rays_on(view, mode, self.plan)
+    }
+
+    /// The same on another film.
+    pub fn rays_on(&self, view: &View, mode: Mode, plan: &Plan) -> Vec<RayBatch> {
+        let shoot = Shoot::new(&self.stage, mode, view, plan);
         in_pool(self.pool, || shoot.batches(&self.first))
+    }
+
+    /// A trial in this scene.
+    pub fn trial<'t>(&'t self, case: &'t Case, plan: &'t Plan) -> Trial<'t> {
+        Trial { case, kind: self.entry.kind, triangles: self.mesh().len(), plan, pool: self.pool }
     }
 
     /// Training rays of a view in a mode: at most `count`, chosen by `protocol`, which for [`Protocol::Same`] takes all test rays.
@@ -177,8 +187,7 @@ impl<'a> Lab<'a> {
     /// rows of each entrant's settings. The first entrant of a setting is its base.
     pub fn measure(&self, entrants: &[Entrant<'_>], batches: &[RayBatch], found: &mut Record) {
         let case = case(&found.job);
-        let (kind, triangles) = (self.entry.kind, self.mesh().len());
-        let trial = Trial { case: &case, kind, triangles, plan: self.plan, pool: self.pool };
+        let trial = self.trial(&case, self.plan);
         let trees: Vec<&Built> = entrants.iter().map(|e| e.built).collect();
         let outcome = trial.run(&trees, batches);
         found.mismatches.extend(outcome.mismatches);

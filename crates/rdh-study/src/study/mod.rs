@@ -16,6 +16,7 @@
 //! ```
 
 pub mod bound;
+pub mod choice;
 pub mod coverage;
 pub mod experiment;
 pub mod lab;

@@ -46,8 +46,52 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
     }
 }
 
+/// The space of a structure that other structures are parts of: one ray is made ready for all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Space {
+    pub(crate) scale: Scale,
+    /// Scaled.
+    pub(crate) bounds: Aabb,
+    /// Of the bounds.
+    pub(crate) magnitude: f32,
+}
+
+impl Space {
+    /// The space in which a box is stored.
+    pub(crate) fn of(in_mesh: &Aabb) -> Self {
+        let scale = Scale::of(in_mesh);
+        let bounds = scale.scaled(in_mesh);
+        Self { scale, bounds, magnitude: bounds.magnitude() }
+    }
+}
+
+impl<const W: usize> Bvh<W> {
+    /// A hierarchy over some of a mesh's triangles, not none, given by their boxes and ids, in the space of a larger structure.
+    ///
+    /// # Errors
+    /// As [`Self::build`].
+    pub(crate) fn of_part(
+        mesh: &Mesh,
+        space: &Space,
+        primitives: Vec<Extent>,
+        spec: &BvhSpec,
+        guide: Option<&Rdh>,
+        options: &BuildOptions<'_>,
+    ) -> Result<Self> {
+        let watch = Watch::new(options, primitives.len());
+        let Space { scale, bounds, magnitude } = *space;
+        let tracked = guide.map(|rdh| rdh.thinned(RAYS_TRACKED));
+        let build = Build { mesh, spec, guide, tracked, options, scale, bounds, watch: &watch };
+        let grown = build.improve(build.grow_whole(primitives)?)?;
+        let bounds = grown.0.nodes.first().map_or(Aabb::EMPTY, |root| root.0.bounds());
+        let Arrays { nodes, blocks, tally } = build.pack(grown)?;
+        let (leaves, masks, level) = (Leaves::new(blocks.into(), mesh), mesh.mask_array(), options.level());
+        Ok(Self { scale, bounds, magnitude, nodes: nodes.into(), leaves, masks, tally, level })
+    }
+}
+
 /// Refuses what would only fail after hours: more triangles than links can name, or than references are allowed.
-fn check_size(mesh: &Mesh, options: &BuildOptions<'_>) -> Result<()> {
+pub(crate) fn check_size(mesh: &Mesh, options: &BuildOptions<'_>) -> Result<()> {
     let most = Link::MAX_BLOCKS * LANES;
     if mesh.len() > most {
         return Err(Error::OverBudget { what: "triangles", limit: most });

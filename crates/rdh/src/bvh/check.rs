@@ -27,7 +27,7 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
 
     /// The tally, if rays can be sent through the tree without harm, whoever made it: all that [`Self::check`] finds but missing
     /// triangles. O(nodes + blocks).
-    pub(super) fn tally_checked(&self, mesh: &Mesh) -> Result<Tally, (Place, Fault)> {
+    pub(crate) fn tally_checked(&self, mesh: &Mesh) -> Result<Tally, (Place, Fault)> {
         let mut check = Check::new(self, mesh);
         check.structure();
         let tally = check.tally;

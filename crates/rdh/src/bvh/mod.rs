@@ -30,10 +30,15 @@ mod tile;
 pub(crate) mod trace;
 mod visits;
 
+pub(crate) use binary::{ByArea, Chooser, Node as Todo};
+pub(crate) use build::{Space, check_size};
+pub(crate) use extent::Extent;
+pub(crate) use guided::ByRays;
 pub use layout::Tally;
 pub(crate) use leaves::Leaves;
 pub use leaves::{Copies, Shared};
-pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, Width};
+pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, When, Width};
+pub(crate) use split::{Centres, Search};
 
 use link::Link;
 
@@ -158,8 +163,22 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
 
     /// Bytes of nodes and blocks, masks included, and the mesh's vertices where leaves index them.
     pub fn bytes(&self) -> usize {
-        let blocks = size_of_val(&self.leaves.blocks()[..]) + self.leaves.other_bytes();
-        size_of_val(&self.nodes[..]) + blocks + self.masks.as_ref().map_or(0, |m| 4 * m.len())
+        self.array_bytes() + self.leaves.other_bytes() + self.masks.as_ref().map_or(0, |m| 4 * m.len())
+    }
+
+    /// Bytes of nodes and blocks.
+    pub(crate) fn array_bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves.blocks()[..])
+    }
+
+    /// Leads a ray through it that is made ready for its space, and may have been through other trees; whether the ray goes on.
+    #[inline(always)]
+    pub(crate) fn lead<K: crate::simd::Kernels, T: trace::Caster<W>, P: Probe>(
+        &self,
+        caster: &mut T,
+        probe: &mut P,
+    ) -> bool {
+        trace::walk::<K, _, _, _, W>(&self.nodes, &self.leaves, caster, probe)
     }
 
     /// The box of everything that can be hit.

@@ -15,6 +15,8 @@ pub struct BvhSpec {
     pub splitter: Splitter,
     /// What leaves hold of triangles.
     pub triangles: Triangles,
+    /// When it is built.
+    pub when: When,
 }
 
 /// How many children a node has at most.
@@ -41,6 +43,14 @@ pub enum Effort {
     High,
 }
 
+impl BvhSpec {
+    /// Whether a hierarchy of this kind can grow where rays come.
+    pub(crate) fn can_be_lazy(&self) -> bool {
+        let Self { width, effort: _, split, splitter, triangles, when: _ } = *self;
+        (width, split, splitter, triangles) == (Width::Eight, SplitSearch::Binned, Splitter::Objects, Triangles::Copied)
+    }
+}
+
 /// What parts the primitives of the binary tree that wide nodes are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Splitter {
@@ -61,6 +71,17 @@ pub enum Triangles {
     Copied,
     /// The indices of their vertices in the mesh: less memory, slower to trace. For eight children a node.
     Shared,
+}
+
+/// When a hierarchy is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum When {
+    /// All of it before there are rays. Recommended.
+    #[default]
+    Ahead,
+    /// Where rays come, when they come ([`lazy`](crate::lazy)): for scenes of which little is seen before they change. For eight
+    /// children a node, without cut or shared triangles.
+    OnDemand,
 }
 
 impl Width {

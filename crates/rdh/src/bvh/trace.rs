@@ -55,10 +55,10 @@ pub(crate) trait Caster<const W: usize> {
 }
 
 /// Whose hits are those of THE triangle test.
-pub(super) struct Watertight<'a, K: Kernels, C> {
-    boxes: K::BoxRay,
-    tester: Tester<'a, K>,
-    collector: C,
+pub(crate) struct Watertight<'a, K: Kernels, C> {
+    pub(crate) boxes: K::BoxRay,
+    pub(crate) tester: Tester<'a, K>,
+    pub(crate) collector: C,
 }
 
 impl<'a, K: Kernels, C: Collector> Watertight<'a, K, C> {
@@ -115,14 +115,14 @@ pub(super) struct Entry {
 /// The most entries that wait: all children but one of each node on the way down, and what was popped last.
 pub(super) const STACK: usize = 7 * DEEPEST as usize + 8;
 
-/// Leads a ray through a tree, until it is done or there is nothing more.
+/// Leads a ray through a tree, until it is done or there is nothing more: whether it goes on elsewhere.
 #[inline(always)]
 pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize>(
     nodes: &[Boxes<W>],
     leaves: &L,
     caster: &mut T,
     probe: &mut P,
-) {
+) -> bool {
     let mut slots = Slots::<Entry, STACK>::new();
     let mut stack = slots.stack();
     let mut scratch = bytemuck::Zeroable::zeroed();
@@ -150,12 +150,12 @@ pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize
         } else {
             probe.leaf(link.count());
             if !caster.test(leaves.corners::<K>(link.block(), &mut scratch), link.lanes()) {
-                return;
+                return false;
             }
         }
         link = loop {
             match stack.pop() {
-                None => return,
+                None => return true,
                 Some(entry) if !T::ANY && entry.t > caster.end() => {}
                 Some(entry) => break entry.link,
             }

@@ -110,6 +110,11 @@ impl Rdh {
         Self { lines: self.lines[..most.min(self.lines.len())].to_vec(), ..*self }
     }
 
+    /// The same over the rays in a node alone.
+    pub(crate) fn within(&self, rays: &NodeRays) -> Self {
+        Self { lines: rays.spans.iter().map(|span| self.lines[span.ray as usize]).collect(), ..*self }
+    }
+
     /// The same, counted with other instructions.
     pub(crate) fn with_level(self, level: Level) -> Self {
         Self { level, ..self }
@@ -130,6 +135,11 @@ impl Rdh {
     }
 
     /// The weight of a node's rays.
+    pub(crate) fn weigh_node(&self, rays: &NodeRays) -> f32 {
+        self.weigh_spans(&rays.spans)
+    }
+
+    /// The weight of some rays.
     pub(crate) fn weigh_spans(&self, spans: &[Span]) -> f32 {
         spans.iter().map(|span| self.lines[span.ray as usize].weight).sum()
     }

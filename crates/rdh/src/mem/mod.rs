@@ -34,6 +34,12 @@ pub(crate) fn reserve<T>(vec: &mut Vec<T>, additional: usize, what: &'static str
     vec.try_reserve(additional).map_err(|_| none::<T>(additional, what))
 }
 
+/// Makes room for `len` elements in all.
+pub(crate) fn reserve_all<T>(vec: &mut Vec<T>, len: usize, what: &'static str) -> Result<()> {
+    let additional = len.saturating_sub(vec.len());
+    reserve(vec, additional, what)
+}
+
 /// There is no room for so many.
 fn none<T>(len: usize, what: &'static str) -> Error {
     Error::OutOfMemory { what, bytes: len.saturating_mul(size_of::<T>()) }

@@ -6,7 +6,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::header::Header;
 use super::{ALIGN, Description, LITTLE_ENDIAN, MAGIC, NOT_HERE, VERSION, fail, layout, parts};
-use crate::accel::Accel;
+use crate::accel::{Accel, unsaved};
 use crate::error::{Error, Result};
 use crate::parts::Written;
 use crate::rays::Profile;
@@ -15,7 +15,7 @@ impl Accel {
     /// The structure as the content of a `.rdh` file ([`saved`](crate::saved)): with its mesh and its provenance.
     ///
     /// # Errors
-    /// [`Error::Format`] on a big-endian machine, or if the provenance is nested too deeply to be read again; lack of memory.
+    /// [`Error::Spec`] for a lazy structure, which is never finished; [`Error::Format`] on a big-endian machine, or if the provenance is nested too deeply to be read again; lack of memory.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let unseen = unseen(self);
         let content = Content::of(self, unseen.as_deref())?;
@@ -60,6 +60,9 @@ impl<'a> Content<'a> {
     fn of(accel: &'a Accel, unseen: Option<&'a [u8]>) -> Result<Self> {
         if !LITTLE_ENDIAN {
             return fail(0, NOT_HERE);
+        }
+        if accel.lazy().is_some() {
+            return Err(unsaved(&accel.stats().spec));
         }
         let description = Description::of(accel).to_json()?;
         let (layout, parts) = (layout(&accel.stats().spec), parts(accel, unseen));

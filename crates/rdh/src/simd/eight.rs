@@ -86,11 +86,7 @@ pub(crate) struct Plain8([f32; 8]);
 impl Plain8 {
     #[inline(always)]
     fn each(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        let mut lanes = [0.0; 8];
-        for i in 0..8 {
-            lanes[i] = f(self.0[i], other.0[i]);
-        }
-        Self(lanes)
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
@@ -201,11 +197,7 @@ impl Eight for Plain8 {
 
     #[inline(always)]
     fn select(self, yes: Self, no: Self) -> Self {
-        let mut lanes = [0.0; 8];
-        for i in 0..8 {
-            lanes[i] = if self.0[i].to_bits() >> 31 == 1 { yes.0[i] } else { no.0[i] };
-        }
-        Self(lanes)
+        Self(std::array::from_fn(|i| if self.0[i].to_bits() >> 31 == 1 { yes.0[i] } else { no.0[i] }))
     }
 
     #[inline(always)]

@@ -41,6 +41,9 @@ pub const SPECS: &[&str] = &[
     "bvh2+rdh(prior=0)",
     "bvh8+rdh(splits=areas,order=areas)",
     "sbvh8(high)+rdh(rays=whole)",
+    "bvh8(lazy)+sah",
+    "bvh8(quick,lazy)+sah",
+    "bvh8(lazy)+rdh",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

@@ -94,7 +94,7 @@ pub fn batch(mesh: &Mesh, inside: [f32; 3], n: usize, seed: u64) -> Vec<Ray> {
     let mut random = Random::new(seed);
     let mut rays = Vec::new();
     while rays.len() < n {
-        let kind = random.below(6);
+        let kind = if mesh.is_empty() { 1 } else { random.below(6) };
         let mut some = match kind {
             0 => picture(mesh, inside, &mut random),
             1 => mixed(mesh, 40, random.bits().into()),

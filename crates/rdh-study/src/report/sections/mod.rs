@@ -8,6 +8,7 @@ mod common;
 mod controls;
 mod costs;
 mod curves;
+mod frames;
 mod glance;
 mod how_many;
 mod kinds;
@@ -61,6 +62,7 @@ pub(super) const CHAPTERS: &[Chapter] = &[
     which_rays::CHAPTER,
     blend::CHAPTER,
     termination::CHAPTER,
+    frames::CHAPTER,
     controls::CHAPTER,
     bound::CHAPTER,
     costs::CHAPTER,

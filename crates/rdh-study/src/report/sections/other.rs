@@ -13,7 +13,7 @@ use crate::rows::Curve;
 
 pub(super) const CHAPTER: Chapter = Chapter { id: "other", title: "Other experiments", question: "", write };
 
-const KNOWN: [&str; 12] = [
+const KNOWN: [&str; 13] = [
     "paper",
     "modes",
     "assumptions",
@@ -21,6 +21,7 @@ const KNOWN: [&str; 12] = [
     "how-many",
     "blend",
     "termination",
+    "frames",
     "occlusion",
     "controls",
     "bound",

@@ -5,6 +5,7 @@ mod assumptions;
 mod blend;
 mod bound;
 mod controls;
+pub mod frames;
 mod how_many;
 mod modes;
 mod occlusion;
@@ -48,6 +49,7 @@ pub const EXPERIMENTS: &[&dyn Experiment] = &[
     &occlusion::Occlusion,
     &controls::Controls,
     &termination::Termination,
+    &frames::Frames,
     &bound::Bound,
     &again::Again,
     &spd::Spd,

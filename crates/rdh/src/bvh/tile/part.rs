@@ -72,6 +72,9 @@ struct Others {
 
 /// So many rays wait, so that few turns are left empty at their end.
 const OTHERS: usize = 16 * RAYS;
+/// A structure up to this size stays in the caches, and its rays have nothing to wait for: taking turns costs a fifth then. By five
+/// scenes; what rays visit would tell more than what there is.
+const LARGE: usize = 9 << 19;
 /// A tile of fewer rays is not worth it.
 const FEWEST: usize = 2 * LANES;
 
@@ -88,7 +91,7 @@ impl<C: Packed, L: Leaves> Part<'_, C, L> {
 
     #[inline(always)]
     fn cast_others<K: Kernels>(&mut self, which: &[u32], extent: Extent) {
-        if extent.is_unordered(self.rays, which) {
+        if self.tree.bytes() > LARGE && extent.is_unordered(self.rays, which) {
             let answers = &mut *self.answers;
             strands::cast::<K, C, L>(self.tree, self.rays, which, |ray, answer| answers[ray as usize] = answer);
             return;
