@@ -112,7 +112,7 @@ impl Rdh {
 
     /// The same over the rays in a node alone.
     pub(crate) fn within(&self, rays: &NodeRays) -> Self {
-        Self { lines: rays.rays().map(|ray| self.lines[ray as usize]).collect(), ..*self }
+        Self { lines: rays.spans.iter().map(|span| self.lines[span.ray as usize]).collect(), ..*self }
     }
 
     /// The same, counted with other instructions.
@@ -135,6 +135,11 @@ impl Rdh {
     }
 
     /// The weight of a node's rays.
+    pub(crate) fn weigh_node(&self, rays: &NodeRays) -> f32 {
+        self.weigh_spans(&rays.spans)
+    }
+
+    /// The weight of some rays.
     pub(crate) fn weigh_spans(&self, spans: &[Span]) -> f32 {
         spans.iter().map(|span| self.lines[span.ray as usize].weight).sum()
     }
