@@ -17,6 +17,10 @@ impl<'a> Bits<'a> {
         first
     }
 
+    pub(crate) fn word(&mut self) -> u32 {
+        u32::from_le_bytes([0; 4].map(|_| self.byte()))
+    }
+
     pub(crate) fn below(&mut self, n: usize) -> usize {
         self.byte() as usize % n.max(1)
     }
@@ -24,14 +28,15 @@ impl<'a> Bits<'a> {
     /// Any bits, or a small number: those meet in ties and zeros.
     pub(crate) fn float(&mut self) -> f32 {
         match self.below(4) {
-            0 => f32::from_bits(u32::from_le_bytes([0; 4].map(|_| self.byte()))),
+            0 => f32::from_bits(self.word()),
             _ => f32::from(self.byte() as i8) / 16.0,
         }
     }
 
-    pub(crate) fn finite(&mut self) -> f32 {
+    /// A coordinate as clippers see them: meshes are scaled before, so that none is beyond 2²⁰.
+    pub(crate) fn scaled(&mut self) -> f32 {
         let x = self.float();
-        if x.is_finite() { x } else { 0.5 }
+        if x.abs() <= (1 << 20) as f32 { x } else { 0.5 }
     }
 
     /// From anywhere, at a corner, at an edge or along an axis.

@@ -2,6 +2,7 @@
 //! the bytes don't pay for, nor be wrong.
 
 mod bits;
+mod saved;
 
 use std::path::Path;
 
@@ -50,15 +51,20 @@ pub fn log(data: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log");
     std::fs::write(&path, data).expect("a file");
-    drop(rdh_study::study::log::read(&path));
+    drop(rdh_study::study::log::read::<rdh_study::study::Record>(&path));
+}
+
+/// Opens a saved tree, or what was made of one; what is opened can be used.
+pub fn saved(data: &[u8]) {
+    saved::open(data);
 }
 
 /// Cuts a triangle: both parts' boxes must hold the points of the triangle on their side, computed in f64.
 pub fn clip(data: &[u8]) {
     let mut bits = Bits::new(data);
-    let corners = [0; 3].map(|_| [0; 3].map(|_| bits.finite()));
+    let corners = [0; 3].map(|_| [0; 3].map(|_| bits.scaled()));
     let axis = rdh::Axis::ALL[bits.below(3)];
-    let (plane, a) = (bits.finite(), axis.index());
+    let (plane, a) = (bits.scaled(), axis.index());
     let (left, right) = rdh::fuzzing::split_triangle(&corners, axis, plane);
     for _ in 0..16 {
         let (u, v) = (f64::from(bits.byte()) / 512.0, f64::from(bits.byte()) / 512.0);
@@ -77,7 +83,7 @@ pub fn clip(data: &[u8]) {
 
 /// Builds a structure over any bits, and casts any rays: as brute force does.
 pub fn trace(data: &[u8]) {
-    const SPECS: [&str; 8] = [
+    const SPECS: [&str; 12] = [
         "kd+sah",
         "kd(leaf=1,split=exact)+sah",
         "kd+rdh",
@@ -86,6 +92,10 @@ pub fn trace(data: &[u8]) {
         "bvh4(quick)+sah",
         "sbvh8+sah",
         "bvh8+rdh",
+        "bvh2(split=sweep)+sah",
+        "bvh8(from=kd)+sah",
+        "bvh8(compact)+sah",
+        "sbvh8(high)+rdh(rays=whole)",
     ];
     let mut bits = Bits::new(data);
     let spec: Spec = SPECS[bits.below(SPECS.len())].parse().expect("a spec");

@@ -4,6 +4,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
+use crate::reliability::{Verdict, grouped, keep};
+
 /// Fuzz everything that reads or builds.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -21,12 +23,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     }
     let targets = if arguments.targets.is_empty() { all()? } else { arguments.targets.clone() };
     println!("| target | runs | result |\n|---|---|---|");
-    let mut clean = true;
+    let (mut clean, mut counts) = (true, Vec::new());
     for target in targets {
         let (runs, passed) = fuzz(&target, arguments.secs)?;
+        counts.push(format!("{target} {}", grouped(runs)));
         println!("| {target} | {runs} | {} |", if passed { "nothing found" } else { "FAILED: see fuzz/artifacts" });
         clean &= passed;
     }
+    let count = format!("{} s each; runs: {}", arguments.secs, counts.join(", "));
+    keep("fuzz", &count, &if clean { Verdict::Fine } else { Verdict::Failed("see fuzz/artifacts") })?;
     Ok(clean)
 }
 

@@ -4,6 +4,8 @@ mod browser;
 mod deep;
 mod engines;
 mod fuzz;
+mod reliability;
+mod soak;
 mod study;
 
 use std::path::{Path, PathBuf};
@@ -30,6 +32,10 @@ enum Task {
     Engines(engines::Arguments),
     /// Fuzz everything that reads or builds (fuzz/): needs nightly Rust and cargo-fuzz.
     Fuzz(fuzz::Arguments),
+    /// Write docs/reliability.md from what checks have found out.
+    Reliability(reliability::Arguments),
+    /// Cast rays from inside closed meshes, a billion of them if need be: none may escape.
+    Soak(soak::Arguments),
     /// Run a study in parts side by side, and put its page and tables into docs/study.
     Study(study::Arguments),
 }
@@ -40,6 +46,8 @@ fn main() -> ExitCode {
         Task::Deep(arguments) => deep::run(&arguments),
         Task::Engines(arguments) => engines::run(&arguments).map(|()| true),
         Task::Fuzz(arguments) => fuzz::run(&arguments),
+        Task::Reliability(arguments) => reliability::run(&arguments),
+        Task::Soak(arguments) => soak::run(&arguments),
         Task::Study(arguments) => study::run(&arguments).map(|()| true),
     };
     match result {
@@ -50,6 +58,11 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The folder of the workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
 /// Cargo's target folder: that of this program, two levels up.

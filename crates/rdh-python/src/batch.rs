@@ -9,8 +9,10 @@ use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// So many rays are cast before it is asked again whether to go on.
+/// So many rays are cast one by one before it is asked again whether to go on, …
 const STRIDE: usize = 512;
+/// … and so many if all are cast at once: several rows of most pictures.
+const BATCH: usize = 1 << 14;
 /// Rays that one thread takes at a time, at most.
 const WINDOW: usize = 1 << 16;
 /// How long Ctrl-C may go unnoticed.
@@ -79,12 +81,23 @@ impl Window<'_> {
     /// Does `work` for a few rays at a time, with their rows in the window and the number of the first one in the batch; stops if that
     /// is wanted.
     #[inline]
-    pub(crate) fn strides(&self, mut work: impl FnMut(Range<usize>, usize)) {
-        for from in (0..self.len()).step_by(STRIDE) {
+    pub(crate) fn strides(&self, work: impl FnMut(Range<usize>, usize)) {
+        self.pieces(STRIDE, work);
+    }
+
+    /// The same for many rays at a time, which are to be cast at once.
+    #[inline]
+    pub(crate) fn batches(&self, work: impl FnMut(Range<usize>, usize)) {
+        self.pieces(BATCH, work);
+    }
+
+    #[inline]
+    fn pieces(&self, most: usize, mut work: impl FnMut(Range<usize>, usize)) {
+        for from in (0..self.len()).step_by(most) {
             if self.cancel.is_some_and(Cancel::is_wanted) {
                 return;
             }
-            work(from..self.len().min(from + STRIDE), self.rays.start + from);
+            work(from..self.len().min(from + most), self.rays.start + from);
         }
     }
 

@@ -4,10 +4,10 @@ use numpy::{Element, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use rayon::ThreadPool;
-use rdh::{Hit, Mesh};
+use rdh::{Hit, Mesh, Ray};
 
 use crate::arrays::{refuse, zeros};
-use crate::batch::{self, Columns};
+use crate::batch::{self, Columns, Window};
 use crate::rays::RayRows;
 use crate::world::{Caster, World};
 
@@ -119,11 +119,11 @@ pub(crate) fn closest<'py>(
     };
     let caster = world.caster();
     batch::fill(py, pool, rays.len(), fields, |window, mut fields| {
-        let mut hits = Vec::new();
+        let (mut batch, mut hits) = (Vec::new(), Vec::new());
         // First all are traced, then their results fetched: so the processor waits for many of the mesh's triangles at a time.
-        window.strides(|rows, first| {
-            hits.clear();
-            hits.extend((first..).take(rows.len()).map(|ray| caster.closest(&rays.get(ray))));
+        window.batches(|rows, first| {
+            rays.read(first, rows.len(), &mut batch);
+            caster.closest_many(&batch, &mut hits);
             rows.zip(&hits).for_each(|(row, hit)| fields.set(row, *hit, caster.accel.mesh()));
         });
     })?;
@@ -158,7 +158,29 @@ fn rows<'a, T: Element>(held: &'a mut Held<'_, T>) -> PyResult<Option<&'a mut [T
     Ok(held.as_mut().map(|array| array.as_slice_mut()).transpose()?)
 }
 
-/// One number a ray, in the shape of the rays.
+/// One number a ray, in the shape of the rays; `answer` gets many rays at a time, and where their numbers go.
+///
+/// # Errors
+/// As [`closest`].
+pub(crate) fn many<'py, T: Element>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    world: &World,
+    rays: &RayRows<'_>,
+    shape: &[usize],
+    argument: &str,
+    answer: impl Fn(&Caster, &[Ray], &mut [T]) + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    numbers(py, pool, rays, shape, argument, world.caster(), |window, caster, numbers| {
+        let mut batch = Vec::new();
+        window.batches(|rows, first| {
+            rays.read(first, rows.len(), &mut batch);
+            answer(caster, &batch, &mut numbers[rows]);
+        });
+    })
+}
+
+/// The same, ray by ray.
 ///
 /// # Errors
 /// As [`closest`].
@@ -169,15 +191,26 @@ pub(crate) fn each<'py, T: Element>(
     rays: &RayRows<'_>,
     shape: &[usize],
     argument: &str,
-    answer: impl Fn(&Caster, &rdh::Ray, &mut Vec<Hit>) -> T + Sync,
+    answer: impl Fn(&Caster, &Ray, &mut Vec<Hit>) -> T + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    numbers(py, pool, rays, shape, argument, world.caster(), |window, caster, numbers| {
+        let mut hits = Vec::new();
+        window.each(|row, ray| numbers[row] = answer(caster, &rays.get(ray), &mut hits));
+    })
+}
+
+fn numbers<'py, T: Element>(
+    py: Python<'py>,
+    pool: &ThreadPool,
+    rays: &RayRows<'_>,
+    shape: &[usize],
+    argument: &str,
+    caster: Caster,
+    work: impl Fn(&Window<'_>, &Caster, &mut [T]) + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
     let array = zeros::<T>(py, shape)?;
     let mut held = array.try_readwrite()?;
-    let caster = world.caster();
-    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |window, rows| {
-        let mut hits = Vec::new();
-        window.each(|row, ray| rows[row] = answer(&caster, &rays.get(ray), &mut hits));
-    })?;
+    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |window, numbers| work(window, &caster, numbers))?;
     rays.check(argument)?;
     Ok(array.into_any())
 }

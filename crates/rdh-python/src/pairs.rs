@@ -22,8 +22,11 @@ pub(crate) fn _first<'py>(
     directions: &Bound<'py, PyAny>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    Pairs::read(origins, directions)?
-        .each(py, scene.world(), threads, |caster, ray, _| caster.closest(ray).map_or(-1, |hit| hit.tri.0 as i32))
+    Pairs::read(origins, directions)?.many(py, scene.world(), threads, |caster, rays, ids| {
+        let mut hits = Vec::new();
+        caster.closest_many(rays, &mut hits);
+        ids.iter_mut().zip(&hits).for_each(|(id, hit)| *id = hit.map_or(-1, |hit| hit.tri.0 as i32));
+    })
 }
 
 /// Whether rays hit anything, bool.
@@ -35,7 +38,9 @@ pub(crate) fn _any<'py>(
     directions: &Bound<'py, PyAny>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    Pairs::read(origins, directions)?.each(py, scene.world(), threads, |caster, ray, _| caster.occluded(ray))
+    Pairs::read(origins, directions)?.many(py, scene.world(), threads, |caster, rays, occluded| {
+        caster.occluded_many(rays, occluded);
+    })
 }
 
 /// How many triangles rays go through, int64.
@@ -94,27 +99,34 @@ fn find_meetings(
     most: usize,
 ) -> PyResult<Vec<Found<Meeting>>> {
     let caster = world.caster();
+    let place = |(index, hit): (usize, Hit)| {
+        let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
+        let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
+        Meeting { triangle: hit.tri.0, point }
+    };
+    // First all are traced, then placed: so the processor waits for many triangles at a time.
     batch::map(py, pool, rays.len(), |window| {
-        let (mut found, mut hits, mut pending) = (Found::with_capacity(window.len()), Vec::new(), Vec::new());
-        // First all are traced, then placed: so the processor waits for many triangles at a time.
+        let (mut found, mut pending) = (Found::with_capacity(window.len()), Vec::new());
+        if most == 1 {
+            let (mut batch, mut closest) = (Vec::new(), Vec::new());
+            window.batches(|rows, first| {
+                rays.read(first, rows.len(), &mut batch);
+                caster.closest_many(&batch, &mut closest);
+                found.counts.extend(closest.iter().map(|hit| u32::from(hit.is_some())));
+                pending.extend((first..).zip(&closest).filter_map(|(index, hit)| Some((index, (*hit)?))));
+                found.things.extend(pending.drain(..).map(place));
+            });
+            return found;
+        }
+        let mut hits = Vec::new();
         window.strides(|rows, first| {
             for index in (first..).take(rows.len()) {
-                let ray = rays.get(index);
-                if most == 1 {
-                    hits.clear();
-                    hits.extend(caster.closest(&ray));
-                } else {
-                    caster.all_hits(&ray, &mut hits);
-                }
+                caster.all_hits(&rays.get(index), &mut hits);
                 hits.truncate(most);
                 pending.extend(hits.iter().map(|hit| (index, *hit)));
                 found.counts.push(hits.len() as u32);
             }
-            found.things.extend(pending.drain(..).map(|(index, hit)| {
-                let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
-                let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
-                Meeting { triangle: hit.tri.0, point }
-            }));
+            found.things.extend(pending.drain(..).map(place));
         });
         found
     })
@@ -180,6 +192,17 @@ impl<'py> Pairs<'py> {
 
     fn rays(&self, origin: [f64; 3]) -> PyResult<RayRows<'_>> {
         Ok(RayRows::pairs(self.origins.numbers()?, self.directions.numbers()?, origin))
+    }
+
+    fn many<T: numpy::Element>(
+        &self,
+        py: Python<'py>,
+        world: &World,
+        threads: Option<i64>,
+        answer: impl Fn(&Caster, &[Ray], &mut [T]) + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (rays, pool) = (self.rays(world.origin)?, pool(py, threads)?);
+        cast::many(py, &pool, world, &rays, &[self.count], "ray_origins, ray_directions", answer)
     }
 
     fn each<T: numpy::Element>(

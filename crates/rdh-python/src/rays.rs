@@ -83,6 +83,13 @@ impl<'a> RayRows<'a> {
         }
     }
 
+    /// Rays that follow each other, in place of what `rays` holds.
+    #[inline]
+    pub(crate) fn read(&self, first: usize, count: usize, rays: &mut Vec<Ray>) {
+        rays.clear();
+        rays.extend((first..).take(count).map(|index| self.get(index)));
+    }
+
     /// A ray's origin and direction in world coordinates, as they were given.
     pub(crate) fn exact(&self, index: usize) -> ([f64; 3], [f64; 3]) {
         match &self.form {

@@ -129,8 +129,8 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (floats, shape, columns) = read_rays(rays)?;
         let rays = RayRows::rows(floats.numbers()?, columns, self.world.origin).within(tnear, tfar);
-        cast::each(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, ray, _| {
-            caster.occluded(ray)
+        cast::many(py, pool(py, threads)?.as_ref(), &self.world, &rays, &shape, "rays", |caster, rays, occluded| {
+            caster.occluded_many(rays, occluded);
         })
     }
 

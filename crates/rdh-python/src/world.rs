@@ -105,26 +105,28 @@ pub(crate) fn build(py: Python<'_>, pool: &ThreadPool, mesh: &Mesh, spec: &Spec,
 }
 
 impl Caster {
-    /// The nearest hit.
-    #[inline(always)]
-    pub(crate) fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.accel.closest(ray);
-        if let Some(recording) = &self.recording {
-            recording.note(ray, hit, Query::Closest);
-        }
-        hit
+    /// The nearest hit of each ray.
+    pub(crate) fn closest_many(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        self.ends(rays, hits, Query::Closest);
     }
 
-    /// Whether anything is hit. While it is recorded, where the ray ends is found out too: structures are built by that.
-    #[inline(always)]
-    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
-        match &self.recording {
-            None => self.accel.occluded(ray),
-            Some(recording) => {
-                let hit = self.accel.closest(ray);
-                recording.note(ray, hit, Query::Occluded);
-                hit.is_some()
-            }
+    /// Whether each ray hits anything. While it is recorded, where the rays end is found out too: structures are built by that.
+    pub(crate) fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
+        if self.recording.is_none() {
+            return self.accel.occluded_many(rays, occluded);
+        }
+        let mut hits = Vec::new();
+        self.ends(rays, &mut hits, Query::Occluded);
+        occluded.iter_mut().zip(&hits).for_each(|(occluded, hit)| *occluded = hit.is_some());
+    }
+
+    /// Where rays end that are cast for a query.
+    fn ends(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>, query: Query) {
+        hits.clear();
+        hits.resize(rays.len(), None);
+        self.accel.closest_many(rays, hits);
+        if let Some(recording) = &self.recording {
+            rays.iter().zip(hits).for_each(|(ray, hit)| recording.note(ray, *hit, query));
         }
     }
 

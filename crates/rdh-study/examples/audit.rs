@@ -76,7 +76,7 @@ fn summary(findings: &[Finding]) -> String {
     let comparisons: usize = findings.iter().map(|f| f.unseen.len()).sum();
     let worst = unseen.iter().copied().fold(0.0, f64::max);
     format!(
-        "{} choices: {} for the rays (on unseen ones {:.3} of the best by areas in the geometric mean, {worst:.3} at worst), {} by \
+        "in all: {} choices, {} for the rays (on unseen ones {:.3} of the best by areas in the geometric mean, {worst:.3} at worst), {} by \
          areas, {} with too few rays; {comparisons} comparisons, each at a risk of {:.1e}",
         findings.len(),
         ended(Outcome::Rays).count(),

@@ -9,11 +9,13 @@ use crate::bench::{Column, Film, Frame};
 use crate::integrate::{Lens, Mode, Stage};
 
 /// One of each kind of tree.
-pub const FAMILIES: &str = "kd+sah,kd(split=exact)+sah,kd+rdh,kd+rdh(paper),bvh2+sah,bvh4+sah,bvh8+sah,bvh8(quick)+sah,\
-                            bvh8(high)+sah,bvh8+rdh,bvh8(high)+rdh,sbvh8+sah,sbvh8(high)+rdh";
+pub const FAMILIES: &str = "kd+sah,kd(split=exact)+sah,kd(leaf=1,split=exact)+sah,kd+rdh,kd+rdh(paper),bvh2+sah,bvh4+sah,bvh8+sah,\
+                            bvh8(quick)+sah,bvh8(high)+sah,bvh8(split=sweep)+sah,sbvh4(split=sweep)+sah,sbvh8+sah,\
+                            bvh8(from=kd)+sah,bvh4(high,from=kd)+rdh,bvh8(compact)+sah,sbvh8(quick,compact)+sah,bvh8+rdh,\
+                            bvh2+rdh(prior=0),bvh8(high)+rdh,sbvh8(high)+rdh(rays=whole),auto";
 
 /// Of scenes that take minutes a tree.
-pub const LARGE_FAMILIES: &str = "kd+sah,bvh8+rdh,sbvh8+sah";
+pub const LARGE_FAMILIES: &str = "kd+sah,bvh8+rdh,sbvh8+sah,bvh8(from=kd)+sah,bvh8(compact)+sah";
 
 /// What is compared on a scene.
 #[derive(Debug, Clone)]

@@ -6,6 +6,7 @@
 //!  builds       what builds cost on one thread and two
 //!  audit        choices of tune, judged on unseen rays
 //!  identical    the same bits from all structures, levels and numbers of threads
+//!  soak         rays without end from inside closed meshes
 //!  study        experiments as jobs, interrupted and shared out
 //!  verify       a finished structure beside brute force
 //!  summary      ratios to a base, with intervals
@@ -29,6 +30,7 @@ pub mod plan;
 pub mod report;
 pub mod rows;
 pub mod run;
+pub mod soak;
 pub mod stats;
 pub mod study;
 pub mod summary;

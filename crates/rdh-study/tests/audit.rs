@@ -30,12 +30,12 @@ fn choices_keep_their_word_whatever_the_rays_are() {
 /// The bound is no formality: a structure that is taken for rays which it isn't good for is found out.
 #[test]
 fn a_choice_for_other_rays_is_found_slower_where_nobody_warns() {
-    let candidates = Spec::list("bvh8+sah,bvh8+rdh").expect("known specs");
-    let found = findings("rooms", &Audit { candidates, size: 96, ..Audit::default() });
-    let moved = found.into_iter().find(|f| f.rays == "moved since").expect("rooms has several views");
+    let candidates = Spec::list("sbvh8(high)+sah,sbvh8(high)+rdh").expect("known specs");
+    let found = findings("flat", &Audit { candidates, size: 96, ..Audit::default() });
+    let moved = found.into_iter().find(|f| f.rays == "moved since").expect("flat has several views");
     assert!(moved.violations(0.01).is_empty() && moved.warned.is_some_and(|drift| drift > 0.1), "{moved:#?}");
     let unwarned = Finding { warned: None, ..moved };
-    assert!(unwarned.violations(0.01).iter().any(|v| v.contains("bvh8+sah")), "{unwarned:#?}");
+    assert!(unwarned.violations(0.01).iter().any(|v| v.contains("sbvh8(high)+sah")), "{unwarned:#?}");
     let broken = Finding { faults: vec!["can't be tuned".to_owned()], ..unwarned };
     assert!(broken.violations(1e-30).contains(&"can't be tuned".to_owned()));
 }

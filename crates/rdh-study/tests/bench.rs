@@ -43,7 +43,7 @@ fn rows<'d>(document: &'d BenchDocument, base: &str) -> Vec<&'d BenchRow> {
 fn an_engine_with_right_answers_is_compared() {
     let document = race(&plan(vec![naive("good", "exact")]));
     assert!(document.failures.is_empty() && document.skipped.is_empty(), "{:?}", document.failures);
-    assert_eq!(document.rows.len(), 2 * 3);
+    assert_eq!(document.rows.len(), 2 * 4);
     for row in &document.rows {
         let first = document.rows.iter().find(|first| first.column == row.column).unwrap();
         assert_eq!((row.hits, row.t_sum, row.rays), (first.hits, first.t_sum, first.rays));
@@ -56,8 +56,9 @@ fn an_engine_with_right_answers_is_compared() {
     assert!((good[0].mrays_per_sec - 0.576).abs() < 1e-9);
     let keys: Vec<_> = document.summary.iter().map(|s| (s.column, s.spec.as_str(), s.base.as_str(), s.n)).collect();
     let [rows, bounce] = [Column::Rows, Column::Bounce];
-    let all = [(rows, "bvh8+sah"), (rows, "kd+sah"), (bounce, "bvh8+sah"), (bounce, "kd+sah")];
-    assert_eq!(keys, all.map(|(column, spec)| (column, spec, "good", 1)));
+    let ours = ["bvh8+sah", "kd+sah", "batch(bvh8+sah)"];
+    let all = [rows, bounce].iter().flat_map(|&column| ours.map(|spec| (column, spec, "good", 1)));
+    assert_eq!(keys, all.collect::<Vec<_>>());
     let ours = document.rows.iter().find(|row| row.is_ours()).unwrap();
     let speedup = ours.mrays_per_sec / good[0].mrays_per_sec;
     assert!((document.summary[0].speedup / speedup - 1.0).abs() < 1e-12);
@@ -86,7 +87,7 @@ fn an_engine_that_is_absent_is_skipped_by_name_and_the_others_go_on() {
     assert_eq!(document.skipped[1].reason, "its library is missing");
     assert!(document.failures.is_empty() && rows(&document, "good").len() == 2);
     let without = race(&BenchPlan { programs: None, ..plan(vec![naive("good", "exact")]) });
-    assert_eq!((without.skipped.len(), without.rows.len(), without.failures.len()), (1, 4, 0));
+    assert_eq!((without.skipped.len(), without.rows.len(), without.failures.len()), (1, 6, 0));
 }
 
 #[test]
@@ -110,7 +111,7 @@ fn slow_engines_get_fewer_rays_and_are_compared_on_the_same() {
     let document = race(&plan(vec![slow]));
     assert!(document.rows.iter().filter(|row| row.is_ours()).all(|row| row.same_rays.is_empty()));
     let row = rows(&document, "slow")[0];
-    assert_eq!((row.rays, row.same_rays.len()), (64, 2));
+    assert_eq!((row.rays, row.same_rays.len()), (64, 3));
     let ours = document.rows.iter().find(|ours| ours.is_ours()).unwrap();
     assert_eq!((ours.rays, ours.engine.as_str()), (576, row.same_rays[0].spec.as_str()));
     let speedup = document.speedup(ours, "slow").unwrap();
@@ -138,7 +139,7 @@ fn engines_that_do_not_fit_into_memory_together_run_in_turn() {
     let document = race(&plan);
     let order: Vec<_> = document.rows.iter().map(|row| row.engine.as_str()).collect();
     // The packets share a process with the last, yet stand where they were asked for.
-    let column = ["bvh8+sah", "kd+sah", "one(exact)", "packets(far)", "two(exact)", "far(far)"];
+    let column = ["bvh8+sah", "kd+sah", "batch(bvh8+sah)", "one(exact)", "packets(far)", "two(exact)", "far(far)"];
     assert_eq!(order, column);
 }
 

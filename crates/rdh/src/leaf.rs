@@ -2,8 +2,14 @@
 //!
 //! Shared by all structures, so that they cannot disagree about what a hit is.
 
-use crate::geom::{Hit, Ray, RayFrame, TriId, hit_along, owns_crossing};
+use crate::geom::{Hit, Ray, RayFrame, TriId, hit_sheared, owns_crossing};
 use crate::simd::{Block, Kernels, LANES};
+
+/// What a hit was found with.
+pub(crate) struct Seen {
+    frame: RayFrame,
+    corners: [[f32; 3]; 3],
+}
 
 /// What becomes of hits.
 pub(crate) trait Collector {
@@ -30,7 +36,8 @@ pub(crate) trait Collector {
     fn certain(&mut self) {}
 
     /// Takes a hit; returns the largest `t` that is still of interest, or nothing if the ray is done.
-    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32>;
+    /// `t_max` is what was of interest so far.
+    fn take(&mut self, hit: Hit, t_max: f32, seen: impl FnOnce() -> Seen) -> Option<f32>;
 }
 
 /// The nearest hit.
@@ -51,11 +58,11 @@ impl Collector for Closest {
     }
 
     #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+    fn take(&mut self, hit: Hit, t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
         if self.0.is_none_or(|best| hit.wins_over(&best)) {
             self.0 = Some(hit);
         }
-        Some(self.0.map_or(frame.t_max, |best| best.t))
+        Some(self.0.map_or(t_max, |best| best.t))
     }
 }
 
@@ -84,7 +91,7 @@ impl Collector for Any {
     }
 
     #[inline(always)]
-    fn take(&mut self, _hit: Hit, _frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+    fn take(&mut self, _hit: Hit, _t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
         self.0 = true;
         None
     }
@@ -114,11 +121,11 @@ impl<'a> Collector for ClosestWhere<'a> {
     }
 
     #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+    fn take(&mut self, hit: Hit, t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
         if self.best.is_none_or(|best| hit.wins_over(&best)) && (self.passes)(&hit) {
             self.best = Some(hit);
         }
-        Some(self.best.map_or(frame.t_max, |best| best.t))
+        Some(self.best.map_or(t_max, |best| best.t))
     }
 }
 
@@ -144,9 +151,9 @@ impl<'a> Collector for AnyWhere<'a> {
     }
 
     #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, _corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
+    fn take(&mut self, hit: Hit, t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
         self.found = (self.passes)(&hit);
-        if self.found { None } else { Some(frame.t_max) }
+        if self.found { None } else { Some(t_max) }
     }
 }
 
@@ -166,11 +173,12 @@ impl<'a> Collector for All<'a> {
     fn finish(self) {}
 
     #[inline(always)]
-    fn take(&mut self, hit: Hit, frame: &RayFrame, corners: impl FnOnce() -> [[f32; 3]; 3]) -> Option<f32> {
-        if owns_crossing(frame, &corners()) {
+    fn take(&mut self, hit: Hit, t_max: f32, seen: impl FnOnce() -> Seen) -> Option<f32> {
+        let Seen { frame, corners } = seen();
+        if owns_crossing(&frame, &corners) {
             self.0.push(hit);
         }
-        Some(frame.t_max)
+        Some(t_max)
     }
 }
 
@@ -182,8 +190,10 @@ pub(crate) fn in_order(hits: &mut Vec<Hit>) {
 
 /// One ray's tests of the triangles in leaves.
 pub(crate) struct Tester<'a, K: Kernels> {
-    frame: RayFrame,
-    lanes: K::Frame,
+    frame: K::Frame,
+    t_min: f32,
+    /// The end of interest.
+    t_max: f32,
     ray_mask: u32,
     masks: Option<&'a [u32]>,
 }
@@ -192,14 +202,13 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Prepares a valid ray.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
-        let (frame, lanes) = K::frames(ray);
-        Self { frame, lanes, ray_mask: ray.mask, masks }
+        Self { frame: K::frame(ray), t_min: ray.t_min, t_max: ray.t_max, ray_mask: ray.mask, masks }
     }
 
     /// The end of interest, in the ray's own `t`.
     #[inline(always)]
     pub(crate) fn t_max(&self) -> f32 {
-        self.frame.t_max
+        self.t_max
     }
 
     /// Tests `count` triangles that begin in a lane of the first block: whether the end of interest has moved; nothing if
@@ -228,29 +237,31 @@ impl<'a, K: Kernels> Tester<'a, K> {
     /// Tests the `wanted` lanes of a block: whether the end of interest has moved; nothing if the ray is done.
     #[inline(always)]
     pub(crate) fn test<C: Collector>(&mut self, block: &Block, wanted: u32, collector: &mut C) -> Option<bool> {
-        let sifted = if !C::SEES_HITS {
-            K::sift::<true>(&self.lanes, block, wanted)
-        } else {
-            K::sift::<false>(&self.lanes, block, wanted)
-        };
-        if !C::SEES_HITS && sifted.certain != 0 && self.masks.is_none() {
-            collector.certain();
-            return None;
+        let sheared = K::shear(&self.frame, block);
+        let mut candidates = K::inside(&sheared, wanted);
+        // The triangle that a ray has just left is all that closest hits can be spared for sure: for the others they need the test.
+        if candidates != 0 && (!C::SEES_HITS || K::is_left(&self.frame, &sheared, candidates, self.t_min)) {
+            let reached = K::reached(&self.frame, &sheared, candidates, (self.t_min, self.t_max));
+            if !C::SEES_HITS && reached.certain != 0 && self.masks.is_none() {
+                collector.certain();
+                return None;
+            }
+            candidates = reached.possible;
         }
-        let (mut moved, mut candidates) = (false, sifted.possible);
+        let mut moved = false;
         while candidates != 0 {
-            let i = candidates.trailing_zeros() as usize;
+            let i = candidates.trailing_zeros() as usize & (LANES - 1);
             candidates &= candidates - 1;
-            let id = block.ids[i];
-            let corners = K::corners(&self.frame, &self.lanes, block, i);
-            let Some(hit) = hit_along(&self.frame, &corners, TriId(id)) else { continue };
+            let (id, interval) = (block.ids[i], (self.t_min, self.t_max));
+            let hit = hit_sheared(&K::corners(&sheared, i), K::direction_z(&self.frame), interval, TriId(id));
+            let Some(hit) = hit else { continue };
             if self.masks.is_some_and(|m| m[id as usize] & self.ray_mask == 0) {
                 continue;
             }
-            let t_max = collector.take(hit, &self.frame, || block.corners(i))?;
-            if t_max < self.frame.t_max {
-                self.frame.t_max = t_max;
-                K::shorten(&mut self.lanes, &self.frame);
+            let seen = || Seen { frame: K::ray_frame(&self.frame, interval), corners: block.corners(i) };
+            let t_max = collector.take(hit, self.t_max, seen)?;
+            if t_max < self.t_max {
+                self.t_max = t_max;
                 moved = true;
             }
         }

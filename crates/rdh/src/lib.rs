@@ -11,10 +11,12 @@
 //! rays that are really cast instead. This crate builds kd-trees by both, and traces them watertight.
 
 pub mod accel;
+mod batch;
 mod build;
 pub mod bvh;
 mod clip;
 pub mod error;
+pub mod eye;
 pub mod fault;
 pub mod geom;
 pub mod heuristic;

@@ -143,8 +143,13 @@ impl Mesh {
             all.extend(self.solid().map(make));
             return Ok(all);
         }
-        let chunk = |first: usize| self.solid_among(first..(first + CHUNK).min(self.len())).map(&make).collect();
-        let chunks: Vec<Vec<T>> = (0..self.len()).into_par_iter().step_by(CHUNK).map(chunk).collect();
+        let chunk = |first: usize| {
+            let (mut chunk, range) = (Vec::new(), first..(first + CHUNK).min(self.len()));
+            reserve(&mut chunk, range.len(), "references")?;
+            chunk.extend(self.solid_among(range).map(&make));
+            Ok(chunk)
+        };
+        let chunks = (0..self.len()).into_par_iter().step_by(CHUNK).map(chunk).collect::<Result<Vec<Vec<T>>>>()?;
         let chunks: Vec<&[T]> = chunks.iter().map(|chunk| &chunk[..]).collect();
         joined(&chunks, true, "references", |_, item| item)
     }

@@ -138,6 +138,7 @@ impl<'de> Deserialize<'de> for Spec {
 
 fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
     let mut kd = KdSpec::default();
+    let given = |key: &str| part.parameters.iter().any(|(k, _)| *k == key);
     for &(key, value) in &part.parameters {
         match key {
             "leaf" => kd.leaf = choice(key, value, &[("1", LeafWidth::One), ("8", LeafWidth::Eight)])?,
@@ -152,11 +153,13 @@ fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
                 kd.stop = choice(key, value, &[("cost", Stop::Cost), ("auto", Stop::Auto), ("paper", Stop::Paper)])?
             }
             "idle" => kd.idle = number(key, value, 0.0, 1e9)?,
+            "compact" if value.is_empty() && !given("idle") => kd.idle = KdSpec::COMPACT.idle,
+            "compact" => return Err("compact is a value of idle: give one of them".to_owned()),
             _ => {
                 return Err(unknown(
                     "kd",
                     key,
-                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST",
+                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST, compact",
                 ));
             }
         }
@@ -393,6 +396,7 @@ mod tests {
             ("kd+rdh(paper)", "kd+rdh(paper)"),
             ("kd(idle=1e-4)+rdh", "kd(idle=0.0001)+rdh"),
             ("kd(idle=0,stop=cost)", "kd(stop=cost)+sah"),
+            ("kd(compact)+rdh", "kd(idle=0.001)+rdh"),
             ("sbvh8", "sbvh8+sah"),
             ("bvh8+rdh(order=areas,splits=areas,cuts=rays)", "bvh8+rdh(splits=areas,order=areas)"),
             ("bvh8(split=sweep,high)", "bvh8(high,split=sweep)+sah"),
@@ -428,6 +432,8 @@ mod tests {
             "bvh8(lazy,from=kd)",
             "bvh8(lazy,split=sweep)",
             "bvh8(lazy=yes)",
+            "kd(compact=2)",
+            "kd(compact,idle=0.1)",
             "sbvh8(from=kd)",
             "bvh8(quick,high)",
             "bvh8(split=exact)",

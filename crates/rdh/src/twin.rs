@@ -6,6 +6,7 @@ use crate::bvh::trace::{self, Caster};
 use crate::bvh::{Bvh, Copies, Leaves};
 use crate::geom::{Hit, Ray, Scale};
 use crate::leaf::{self, Collector, Tester};
+use crate::mem::Array;
 use crate::simd::{Block, Boxes, Entered, Job, Kernels, LANES, LeakyRay, Level};
 
 /// What lets rays slip through.
@@ -25,6 +26,7 @@ pub struct Twin {
     original: Bvh<8>,
     /// Not three corners, but one and the edges that leave it.
     edges: Copies,
+    masks: Option<Array<u32>>,
     leak: Leak,
     level: Level,
 }
@@ -38,7 +40,13 @@ impl Twin {
             return None;
         }
         let edges: Vec<Block> = tree.leaves().blocks().iter().map(edges).collect();
-        Some(Self { original: tree.clone(), edges: Copies::new(edges.into(), accel.mesh()), leak, level })
+        Some(Self {
+            original: tree.clone(),
+            edges: Copies::new(edges.into(), accel.mesh()),
+            masks: accel.mesh().mask_array(),
+            leak,
+            level,
+        })
     }
 
     /// The nearest hit, or nearly so.
@@ -91,15 +99,16 @@ impl<C: Collector> InBoxes<'_, C> {
     #[inline(always)]
     fn cast<K: Kernels, const MASKS: bool>(self) -> C::Output {
         let Self { twin, ray, start } = self;
-        let tester = Tester::<K>::new(ray, None);
-        let mut caster = LeakyBoxes { ray: LeakyRay::<MASKS>::new(ray), tester, collector: C::new(start) };
+        let masks = twin.masks.as_deref();
+        let tester = Tester::<K>::new(ray, masks);
+        let mut caster = LeakyBoxes { ray: LeakyRay::<MASKS>::new(ray, masks), tester, collector: C::new(start) };
         trace::walk::<K, _, _, _, 8>(twin.original.nodes(), twin.original.leaves(), &mut caster, &mut ());
         caster.collector.finish()
     }
 }
 
 struct LeakyBoxes<'a, K: Kernels, C, const MASKS: bool> {
-    ray: LeakyRay<MASKS>,
+    ray: LeakyRay<'a, MASKS>,
     tester: Tester<'a, K>,
     collector: C,
 }
@@ -146,18 +155,19 @@ impl<const ANY: bool> InTriangles<'_, ANY> {
     #[inline(always)]
     fn cast<K: Kernels, const MASKS: bool>(self) -> Option<Hit> {
         let boxes = self.twin.original.box_ray::<K>(self.ray)?;
-        let mut caster = LeakyTriangles::<K, ANY, MASKS> { boxes, ray: LeakyRay::new(self.ray) };
+        let mut caster =
+            LeakyTriangles::<K, ANY, MASKS> { boxes, ray: LeakyRay::new(self.ray, self.twin.masks.as_deref()) };
         trace::walk::<K, _, _, _, 8>(self.twin.original.nodes(), &self.twin.edges, &mut caster, &mut ());
         caster.ray.hit
     }
 }
 
-struct LeakyTriangles<K: Kernels, const ANY: bool, const MASKS: bool> {
+struct LeakyTriangles<'a, K: Kernels, const ANY: bool, const MASKS: bool> {
     boxes: K::BoxRay,
-    ray: LeakyRay<MASKS>,
+    ray: LeakyRay<'a, MASKS>,
 }
 
-impl<K: Kernels, const ANY: bool, const MASKS: bool> Caster<8> for LeakyTriangles<K, ANY, MASKS> {
+impl<K: Kernels, const ANY: bool, const MASKS: bool> Caster<8> for LeakyTriangles<'_, K, ANY, MASKS> {
     const ANY: bool = ANY;
 
     #[inline(always)]
@@ -198,15 +208,15 @@ impl<const ANY: bool> Job for InBoth<'_, ANY> {
 impl<const ANY: bool> InBoth<'_, ANY> {
     #[inline(always)]
     fn cast<K: Kernels, const MASKS: bool>(self) -> Option<Hit> {
-        let mut caster = Leaky::<ANY, MASKS>(LeakyRay::new(self.ray));
+        let mut caster = Leaky::<ANY, MASKS>(LeakyRay::new(self.ray, self.twin.masks.as_deref()));
         trace::walk::<K, _, _, _, 8>(self.twin.original.nodes(), &self.twin.edges, &mut caster, &mut ());
         caster.0.hit
     }
 }
 
-struct Leaky<const ANY: bool, const MASKS: bool>(LeakyRay<MASKS>);
+struct Leaky<'a, const ANY: bool, const MASKS: bool>(LeakyRay<'a, MASKS>);
 
-impl<const ANY: bool, const MASKS: bool> Caster<8> for Leaky<ANY, MASKS> {
+impl<const ANY: bool, const MASKS: bool> Caster<8> for Leaky<'_, ANY, MASKS> {
     const ANY: bool = ANY;
 
     #[inline(always)]

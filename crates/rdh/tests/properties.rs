@@ -3,7 +3,7 @@
 mod common;
 
 use common::meshes::{Random, closed, nasty};
-use common::rays::{AIMS, Aim, aimed, mixed};
+use common::rays::{AIMS, Aim, aimed, batch, mixed};
 use common::{SPECS, build_spec};
 use rdh::simd::Level;
 use rdh::{Counts, Hit, Mesh, Ray, naive};
@@ -36,6 +36,85 @@ fn every_structure_agrees_with_brute_force_bit_for_bit() {
             }
         }
     }
+}
+
+/// Whatever batches are made of, and however long they are, their rays hit what they hit alone.
+#[test]
+fn batches_answer_as_single_rays_do() {
+    const SIZES: [usize; 9] = [0, 1, 7, 63, 64, 65, 200, 1000, 5000];
+    let meshes = nasty().into_iter().map(|(name, mesh)| (name, mesh, [0.1, 0.2, 0.3])).chain(closed());
+    for (name, mesh, inside) in meshes {
+        for spec in ["bvh8+sah", "bvh8(high)+sah", "sbvh8+sah", "bvh8(compact)+sah", "bvh8+rdh", "bvh4+sah", "kd+sah"] {
+            let accel = build_spec(&mesh, spec);
+            for (seed, size) in SIZES.into_iter().enumerate() {
+                let rays = batch(&mesh, inside, size, seed as u64);
+                let expected: Vec<_> = rays.iter().map(|ray| bits(accel.closest(ray))).collect();
+                for level in Level::available() {
+                    let accel = accel.clone().with_level(level);
+                    // What was there before is not what is found.
+                    let (mut hits, mut occluded) = (vec![None; size], vec![size % 2 == 0; size]);
+                    accel.closest_many(&rays, &mut hits);
+                    accel.occluded_many(&rays, &mut occluded);
+                    for (i, ray) in rays.iter().enumerate() {
+                        let at = || format!("{name}, {spec}, {}, {i} of {size}: {ray:?}", level.name());
+                        assert_eq!(bits(hits[i]), expected[i], "{}", at());
+                        assert_eq!(occluded[i], expected[i].is_some(), "{}", at());
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn batches_respect_masks() {
+    let plain = common::meshes::soup(400, 0.3, 25);
+    let masks: Vec<u32> = (0..plain.len() as u32).map(|i| 1 << (i % 3)).collect();
+    let mesh = plain.with_masks(masks).expect("one mask a triangle");
+    let accel = build_spec(&mesh, "bvh8+sah");
+    let masked = |(i, ray): (usize, Ray)| ray.masked([0, 1, 2, 5, 7][i % 5]);
+    let rays: Vec<Ray> = batch(&mesh, [0.5; 3], 4000, 1).into_iter().enumerate().map(masked).collect();
+    for level in Level::available() {
+        let accel = accel.clone().with_level(level);
+        let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+        accel.closest_many(&rays, &mut hits);
+        accel.occluded_many(&rays, &mut occluded);
+        for (i, ray) in rays.iter().enumerate() {
+            assert_eq!(bits(hits[i]), bits(accel.closest(ray)), "{}, {ray:?}", level.name());
+            assert_eq!(occluded[i], hits[i].is_some(), "{}, {ray:?}", level.name());
+        }
+    }
+    assert!(rays.iter().any(|ray| accel.occluded(ray)) && rays.iter().any(|ray| !accel.occluded(ray)));
+}
+
+/// Half a million rays from inside closed meshes, in bundles at edges and vertices: none escapes.
+#[test]
+fn no_ray_of_a_batch_escapes_from_a_closed_mesh() {
+    let mut cast = 0;
+    for (name, mesh, inside) in closed() {
+        let accel = build_spec(&mesh, "bvh8+sah");
+        for aim in AIMS {
+            let mut random = Random::new(31);
+            let mut rays = Vec::new();
+            while rays.len() < 16_000 {
+                // Many rays at one place, some exactly alike.
+                let first = aimed(&mesh, inside, aim, &mut random);
+                let near = |random: &mut Random| first.direction.map(|x| x * (1.0 + 1e-5 * random.between(-1.0, 1.0)));
+                rays.push(first);
+                rays.extend(
+                    (1..64).map(|i| if i % 3 == 0 { first } else { Ray { direction: near(&mut random), ..first } }),
+                );
+            }
+            let (mut hits, mut occluded) = (vec![None; rays.len()], vec![false; rays.len()]);
+            accel.closest_many(&rays, &mut hits);
+            accel.occluded_many(&rays, &mut occluded);
+            for (i, ray) in rays.iter().enumerate() {
+                assert!(hits[i].is_some() && occluded[i], "{name}, {aim:?}: missed by {ray:?}");
+            }
+            cast += rays.len();
+        }
+    }
+    assert!(cast > 500_000, "only {cast} rays");
 }
 
 #[test]
@@ -157,6 +236,41 @@ fn rays_from_the_end_of_the_world_miss_nothing() {
             let mut hits = Vec::new();
             accel.all_hits(&ray, &mut hits);
             assert_eq!(hits, naive::all_hits(&mesh, &ray), "{at}");
+        }
+    }
+}
+
+/// A crossing just before the start, or just behind the end, counts where its `t` is rounded to one of them: with a long direction
+/// everything within 10⁻³⁸ of it, and farther.
+#[test]
+fn what_rounds_to_an_end_of_the_interval_counts() {
+    let at = |i: u32| (i as f32 - 16.0) * 3e-39;
+    let corners = |x: f32, lean: f32| [[x, -1.0, -1.0], [x + lean, 2.0, -1.0], [x, -1.0, 2.0]];
+    // Every fourth one leans: its corners lie on both sides of the start.
+    let points = (0..32).flat_map(|i| corners(at(i), if i % 4 == 3 { at(i) + 1e-39 } else { 0.0 })).collect();
+    let mesh = Mesh::new(points, (0..32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh");
+    let long = [1.0, 1e6, 3e7, 1e9, 1e20, 1e38].into_iter().flat_map(|d| [d, -d]);
+    let rays: Vec<Ray> = long
+        .flat_map(|d| [-2e-38, -1e-39, 0.0, 4e-39, 3e-38].map(|x| Ray::new([x, 0.25, -0.25], [d, 0.0, 0.0])))
+        .flat_map(|ray| [ray, ray.within(0.0, 0.0), ray.within(-f32::MAX, 0.0), ray.within(-1e-45, 1e-45)])
+        .collect();
+    let expected: Vec<_> = rays.iter().map(|ray| bits(naive::closest(&mesh, ray))).collect();
+    let beside = |ray: &Ray| {
+        let all = naive::all_hits(&mesh, ray);
+        let behind =
+            |hit: &Hit| hit.t == 0.0 && (mesh.corners(hit.tri)[0][0] - ray.origin[0]) * ray.direction[0] != 0.0;
+        all.iter().filter(|hit| behind(hit)).count()
+    };
+    assert!(rays.iter().map(beside).sum::<usize>() > 100);
+    for spec in SPECS {
+        let accel = build_spec(&mesh, spec);
+        for level in Level::available() {
+            let accel = accel.clone().with_level(level);
+            for (ray, expected) in rays.iter().zip(&expected) {
+                let at = || format!("{spec}, {}, {ray:?}", level.name());
+                assert_eq!(bits(accel.closest(ray)), *expected, "{}", at());
+                assert_eq!(accel.occluded(ray), expected.is_some(), "{}", at());
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ffi::{c_int, c_uint, c_void};
 use std::ptr::null_mut;
 
-use crate::api::{Handle, INVALID_ID, RtcRay, RtcRay16, RtcRayHit, RtcRayHit16, symbols};
+use crate::api::{Handle, INVALID_ID, RtcRay, RtcRayHit, RtcRayHits, RtcRays, symbols};
 
 /// A version's own calls. The structures are those of version 4; version 3 uses the first part of each.
 pub(crate) trait Abi: Sized + Copy {
@@ -35,26 +35,29 @@ pub(crate) trait Abi: Sized + Copy {
     unsafe fn occluded1(&self, scene: Handle, ray: &mut RtcRay);
 
     /// # Safety
-    /// As for [`Self::intersect1`]; rays whose `valid` isn't -1 are left alone.
-    unsafe fn intersect16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRayHit16);
+    /// As for [`Self::intersect1`]; `N` is 8 or 16. Rays whose `valid` isn't -1 are left alone.
+    unsafe fn intersect<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRayHits<N>);
 
     /// # Safety
-    /// As for [`Self::intersect16`].
-    unsafe fn occluded16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRay16);
+    /// As for [`Self::intersect`].
+    unsafe fn occluded<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRays<N>);
 }
 
 /// Which rays of a packet count: -1 for those that do, else 0.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub(crate) struct Valid(pub(crate) [c_int; 16]);
+pub(crate) struct Valid<const N: usize>(pub(crate) [c_int; N]);
 
 symbols! {
     /// Version 4: options come last, and may be null.
     Four {
         intersect1 = "rtcIntersect1": unsafe extern "C" fn(Handle, *mut RtcRayHit, *mut Arguments);
         occluded1 = "rtcOccluded1": unsafe extern "C" fn(Handle, *mut RtcRay, *mut Arguments);
-        intersect16 = "rtcIntersect16": unsafe extern "C" fn(*const Valid, Handle, *mut RtcRayHit16, *mut Arguments);
-        occluded16 = "rtcOccluded16": unsafe extern "C" fn(*const Valid, Handle, *mut RtcRay16, *mut Arguments);
+        intersect8 = "rtcIntersect8": unsafe extern "C" fn(*const Valid<8>, Handle, *mut RtcRayHits<8>, *mut Arguments);
+        occluded8 = "rtcOccluded8": unsafe extern "C" fn(*const Valid<8>, Handle, *mut RtcRays<8>, *mut Arguments);
+        intersect16 = "rtcIntersect16":
+            unsafe extern "C" fn(*const Valid<16>, Handle, *mut RtcRayHits<16>, *mut Arguments);
+        occluded16 = "rtcOccluded16": unsafe extern "C" fn(*const Valid<16>, Handle, *mut RtcRays<16>, *mut Arguments);
     }
 }
 
@@ -63,8 +66,11 @@ symbols! {
     Three {
         intersect1 = "rtcIntersect1": unsafe extern "C" fn(Handle, *mut Context, *mut RtcRayHit);
         occluded1 = "rtcOccluded1": unsafe extern "C" fn(Handle, *mut Context, *mut RtcRay);
-        intersect16 = "rtcIntersect16": unsafe extern "C" fn(*const Valid, Handle, *mut Context, *mut RtcRayHit16);
-        occluded16 = "rtcOccluded16": unsafe extern "C" fn(*const Valid, Handle, *mut Context, *mut RtcRay16);
+        intersect8 = "rtcIntersect8": unsafe extern "C" fn(*const Valid<8>, Handle, *mut Context, *mut RtcRayHits<8>);
+        occluded8 = "rtcOccluded8": unsafe extern "C" fn(*const Valid<8>, Handle, *mut Context, *mut RtcRays<8>);
+        intersect16 = "rtcIntersect16":
+            unsafe extern "C" fn(*const Valid<16>, Handle, *mut Context, *mut RtcRayHits<16>);
+        occluded16 = "rtcOccluded16": unsafe extern "C" fn(*const Valid<16>, Handle, *mut Context, *mut RtcRays<16>);
     }
 }
 
@@ -141,15 +147,31 @@ impl Abi for Four {
     }
 
     #[inline(always)]
-    unsafe fn intersect16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRayHit16) {
-        // SAFETY: scene and rays are as the caller promises; the arguments are those of `rtcInitIntersectArguments`.
-        unsafe { (self.intersect16)(valid, scene, rays, &mut Arguments::coherent()) }
+    unsafe fn intersect<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRayHits<N>) {
+        const { assert!(N == 8 || N == 16, "no such packets") }
+        let (valid, rays) = (std::ptr::from_ref(valid), std::ptr::from_mut(rays));
+        // SAFETY: scene and rays are as the caller promises, and `N` is what the call takes; the options are the documented ones.
+        unsafe {
+            if N == 8 {
+                (self.intersect8)(valid.cast(), scene, rays.cast(), &mut Arguments::coherent());
+            } else {
+                (self.intersect16)(valid.cast(), scene, rays.cast(), &mut Arguments::coherent());
+            }
+        }
     }
 
     #[inline(always)]
-    unsafe fn occluded16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRay16) {
-        // SAFETY: as for `intersect16`.
-        unsafe { (self.occluded16)(valid, scene, rays, &mut Arguments::coherent()) }
+    unsafe fn occluded<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRays<N>) {
+        const { assert!(N == 8 || N == 16, "no such packets") }
+        let (valid, rays) = (std::ptr::from_ref(valid), std::ptr::from_mut(rays));
+        // SAFETY: scene and rays are as the caller promises, and `N` is what the call takes; the options are the documented ones.
+        unsafe {
+            if N == 8 {
+                (self.occluded8)(valid.cast(), scene, rays.cast(), &mut Arguments::coherent());
+            } else {
+                (self.occluded16)(valid.cast(), scene, rays.cast(), &mut Arguments::coherent());
+            }
+        }
     }
 }
 
@@ -178,14 +200,30 @@ impl Abi for Three {
     }
 
     #[inline(always)]
-    unsafe fn intersect16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRayHit16) {
-        // SAFETY: as for `intersect1`.
-        unsafe { (self.intersect16)(valid, scene, &mut Context::coherent(), rays) }
+    unsafe fn intersect<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRayHits<N>) {
+        const { assert!(N == 8 || N == 16, "no such packets") }
+        let (valid, rays) = (std::ptr::from_ref(valid), std::ptr::from_mut(rays));
+        // SAFETY: scene and rays are as the caller promises, and `N` is what the call takes; the options are the documented ones.
+        unsafe {
+            if N == 8 {
+                (self.intersect8)(valid.cast(), scene, &mut Context::coherent(), rays.cast());
+            } else {
+                (self.intersect16)(valid.cast(), scene, &mut Context::coherent(), rays.cast());
+            }
+        }
     }
 
     #[inline(always)]
-    unsafe fn occluded16(&self, valid: &Valid, scene: Handle, rays: &mut RtcRay16) {
-        // SAFETY: as for `intersect1`.
-        unsafe { (self.occluded16)(valid, scene, &mut Context::coherent(), rays) }
+    unsafe fn occluded<const N: usize>(&self, valid: &Valid<N>, scene: Handle, rays: &mut RtcRays<N>) {
+        const { assert!(N == 8 || N == 16, "no such packets") }
+        let (valid, rays) = (std::ptr::from_ref(valid), std::ptr::from_mut(rays));
+        // SAFETY: scene and rays are as the caller promises, and `N` is what the call takes; the options are the documented ones.
+        unsafe {
+            if N == 8 {
+                (self.occluded8)(valid.cast(), scene, &mut Context::coherent(), rays.cast());
+            } else {
+                (self.occluded16)(valid.cast(), scene, &mut Context::coherent(), rays.cast());
+            }
+        }
     }
 }

@@ -10,6 +10,8 @@ pub(crate) type Handle = *mut c_void;
 pub(crate) const INVALID_ID: c_uint = c_uint::MAX;
 
 pub(crate) const DEVICE_PROPERTY_VERSION: c_int = 0;
+/// Whether packets of sixteen are traced as such, not ray by ray.
+pub(crate) const DEVICE_PROPERTY_NATIVE_RAY16: c_int = 34;
 pub(crate) const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
 pub(crate) const BUFFER_TYPE_INDEX: c_int = 0;
 pub(crate) const BUFFER_TYPE_VERTEX: c_int = 1;
@@ -56,46 +58,44 @@ pub(crate) struct RtcRayHit {
     pub(crate) hit: RtcHit,
 }
 
-/// Sixteen numbers, of sixteen rays.
-pub(crate) type Lanes<T> = [T; 16];
-
-/// `RTCRay16`.
+/// `RTCRay8` or `RTCRay16`.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub(crate) struct RtcRay16 {
-    pub(crate) origin: [Lanes<f32>; 3],
-    pub(crate) t_near: Lanes<f32>,
-    pub(crate) direction: [Lanes<f32>; 3],
-    pub(crate) time: Lanes<f32>,
-    pub(crate) t_far: Lanes<f32>,
-    pub(crate) mask: Lanes<c_uint>,
-    pub(crate) id: Lanes<c_uint>,
-    pub(crate) flags: Lanes<c_uint>,
+pub(crate) struct RtcRays<const N: usize> {
+    pub(crate) origin: [[f32; N]; 3],
+    pub(crate) t_near: [f32; N],
+    pub(crate) direction: [[f32; N]; 3],
+    pub(crate) time: [f32; N],
+    pub(crate) t_far: [f32; N],
+    pub(crate) mask: [c_uint; N],
+    pub(crate) id: [c_uint; N],
+    pub(crate) flags: [c_uint; N],
 }
 
-/// `RTCHit16`, with the last field for libraries with instance arrays: they write it.
+/// `RTCHit8` or `RTCHit16`, with the last field for libraries with instance arrays: they write it.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub(crate) struct RtcHit16 {
-    pub(crate) normal: [Lanes<f32>; 3],
-    pub(crate) u: Lanes<f32>,
-    pub(crate) v: Lanes<f32>,
-    pub(crate) primitive: Lanes<c_uint>,
-    pub(crate) geometry: Lanes<c_uint>,
-    pub(crate) instance: [Lanes<c_uint>; 1],
-    pub(crate) instance_primitive: [Lanes<c_uint>; 1],
+pub(crate) struct RtcHits<const N: usize> {
+    pub(crate) normal: [[f32; N]; 3],
+    pub(crate) u: [f32; N],
+    pub(crate) v: [f32; N],
+    pub(crate) primitive: [c_uint; N],
+    pub(crate) geometry: [c_uint; N],
+    pub(crate) instance: [[c_uint; N]; 1],
+    pub(crate) instance_primitive: [[c_uint; N]; 1],
 }
 
-/// `RTCRayHit16`.
+/// `RTCRayHit8` or `RTCRayHit16`.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-pub(crate) struct RtcRayHit16 {
-    pub(crate) ray: RtcRay16,
-    pub(crate) hit: RtcHit16,
+pub(crate) struct RtcRayHits<const N: usize> {
+    pub(crate) ray: RtcRays<N>,
+    pub(crate) hit: RtcHits<N>,
 }
 
 const _: () = assert!(size_of::<RtcRay>() == 48 && size_of::<RtcRayHit>() == 96);
-const _: () = assert!(size_of::<RtcRay16>() == 768 && size_of::<RtcRayHit16>() == 1344);
+const _: () = assert!(size_of::<RtcRays<16>>() == 768 && size_of::<RtcRayHits<16>>() == 1344);
+const _: () = assert!(size_of::<RtcRays<8>>() == 384 && std::mem::offset_of!(RtcHits<8>, geometry) == 192);
 
 /// Called when Embree takes or returns memory; `false` would refuse it.
 pub(crate) type MemoryMonitor = unsafe extern "C" fn(user: *mut c_void, bytes: isize, after: bool) -> bool;

@@ -5,5 +5,5 @@ use anyhow::Result;
 use super::{Arguments, Outcome, example, outcome};
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
-    outcome(&mut example("identical", arguments))
+    outcome(&mut example("identical", arguments), &["in all:"])
 }

@@ -3,12 +3,19 @@
 
 mod arm;
 mod audit;
+mod bounds;
 mod identical;
+mod targets;
+mod undefined;
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
+
+use crate::reliability::{Verdict, keep};
+use crate::root;
 
 /// Run checks that take too long for the ordinary tests.
 #[derive(Debug, clap::Args)]
@@ -37,7 +44,8 @@ impl Arguments {
 
 /// What becomes of a check.
 enum Outcome {
-    Fine,
+    /// How much was checked, in words.
+    Fine(String),
     Failed(String),
     /// It can't be done here, for a reason.
     Skipped(String),
@@ -46,7 +54,15 @@ enum Outcome {
 /// A name, and what it runs.
 type Check = (&'static str, fn(&Arguments) -> Result<Outcome>);
 
-const CHECKS: [Check; 3] = [("identical", identical::run), ("audit", audit::run), ("arm", arm::run)];
+const CHECKS: [Check; 7] = [
+    ("identical", identical::run),
+    ("audit", audit::run),
+    ("arm", arm::run),
+    ("cancel", bounds::run),
+    ("miri", undefined::miri),
+    ("asan", undefined::asan),
+    ("targets", targets::run),
+];
 
 /// Whether none has failed.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
@@ -57,21 +73,42 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let wanted = |check: &&Check| arguments.check.is_empty() || arguments.check.iter().any(|name| name == check.0);
     let mut fine = true;
     for (name, run) in CHECKS.iter().filter(wanted) {
-        match run(arguments).with_context(|| (*name).to_owned())? {
-            Outcome::Fine => println!("{name}: ok"),
-            Outcome::Skipped(why) => println!("{name}: skipped: {why}"),
+        let verdict = match run(arguments).with_context(|| (*name).to_owned())? {
+            Outcome::Fine(count) => {
+                println!("{name}: ok: {count}");
+                keep(name, &count, &Verdict::Fine)
+            }
+            Outcome::Skipped(why) => {
+                println!("{name}: skipped: {why}");
+                keep(name, "", &Verdict::Skipped(&why))
+            }
             Outcome::Failed(what) => {
                 println!("{name}: failed: {what}");
                 fine = false;
+                keep(name, "", &Verdict::Failed(&what))
             }
-        }
+        };
+        verdict?;
     }
     Ok(fine)
 }
 
-/// The folder of the workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+/// Runs a command in the folder of the workspace, and shows what it says. The last line that begins with one of the `words` says how
+/// much was checked.
+fn outcome(command: &mut Command, words: &[&str]) -> Result<Outcome> {
+    let name = command.get_program().display().to_string();
+    let mut child = command.current_dir(root()).stdout(Stdio::piped()).spawn().with_context(|| name.clone())?;
+    let mut counts = Vec::new();
+    for line in BufReader::new(child.stdout.take().context("it has no output")?).lines() {
+        let line = line?;
+        println!("{line}");
+        if let Some(word) = words.iter().find(|word| line.starts_with(**word)) {
+            counts.push(line[word.len()..].trim().to_owned());
+        }
+    }
+    let status = child.wait()?;
+    let count = counts.pop().unwrap_or_default();
+    Ok(if status.success() { Outcome::Fine(count) } else { Outcome::Failed(format!("{name}: {status}")) })
 }
 
 /// An example of the study over the embedded scenes and those of the folder.
@@ -84,9 +121,7 @@ fn example(name: &str, arguments: &Arguments) -> Command {
     command
 }
 
-/// Runs a command in the folder of the workspace; what it says goes to this program's own output.
-fn outcome(command: &mut Command) -> Result<Outcome> {
-    let name = command.get_program().display().to_string();
-    let status = command.current_dir(root()).status().with_context(|| name.clone())?;
-    Ok(if status.success() { Outcome::Fine } else { Outcome::Failed(format!("{name}: {status}")) })
+/// Whether a program can be run.
+fn says(command: &mut Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }

@@ -33,7 +33,7 @@ pub(crate) struct BenchArgs {
     /// Competitors, with commas: embree4, embree4-robust, embree4-pkt16, embree3, obvhs, …; none: ours alone [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub engines: Option<Vec<String>>,
-    /// Kinds of rays, with commas: rows, tiles, shadow, bounce, ao [default: all]
+    /// Kinds of rays, with commas: rows, tiles, shadow, bounce, ao, shuffled [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub columns: Option<Vec<Column>>,
     /// Width and height of the film, one primary ray a pixel [default: 1024; with --quick 512]

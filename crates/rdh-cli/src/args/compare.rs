@@ -14,6 +14,12 @@ pub(crate) struct CompareArgs {
     /// [default: the quick set; all scenes of --scenes DIR if that is given]
     #[arg(value_name = "SCENE")]
     pub names: Vec<String>,
+    /// Of each scene its first view alone, unless another one is named
+    #[arg(long)]
+    pub first: bool,
+    /// Of the scenes, those that are also summed up by themselves (dense ones, say): ids with commas between them
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub subset: Vec<String>,
     /// What to build: specs with commas between them [default: kd+sah,kd+rdh(paper),kd+rdh]
     #[arg(long, value_name = "LIST")]
     pub spec: Option<String>,

@@ -24,7 +24,7 @@ fn json_has_the_rows_of_the_contract() {
     let args = small(&folder, &["--json", "--specs", "bvh8+sah,kd+sah", "--columns", "rows,tiles,bounce,ao"]);
     let document = json(&texts(&args));
     let rows = document["rows"].as_array().unwrap();
-    assert_eq!((&document["version"], rows.len()), (&Value::from(1), 2 * 4));
+    assert_eq!((&document["version"], rows.len()), (&Value::from(1), 3 * 4));
     let names = ["scene", "view", "column", "engine", "form", "profile"];
     let numbers =
         ["rays", "hits", "t_sum", "mrays_per_sec", "mrays_per_sec_best", "build_secs", "bytes", "triangles", "lost"];
@@ -60,7 +60,7 @@ fn what_makes_no_sense_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let failed = |args: &[&str], code, words: &[&str]| rdh(&texts(&small(&folder, args))).failed(code, words);
     failed(&["--engines", "embree5"], 2, &["embree5", "embree4-robust", "obvhs"]);
-    failed(&["--columns", "columns"], 2, &["columns", "rows, tiles, shadow, bounce, ao"]);
+    failed(&["--columns", "columns"], 2, &["columns", "rows, tiles, shadow, bounce, ao, shuffled"]);
     failed(&["--specs", "bvh8+sah,bvh8+sah"], 2, &["twice"]);
     failed(&["--specs", "bvh9+sah"], 2, &["bvh9"]);
     failed(&["--tolerance", "101"], 2, &["share of hits"]);

@@ -115,3 +115,19 @@ fn sources_that_give_no_rays_are_refused() {
     rdh(&small(&["flat", "--rrs", "none"])).failed(2, &["kd+rdh", "needs rays"]);
     rdh(&small(&["flat:walk@500"])).failed(2, &["walk@500", "frames 0 to"]);
 }
+
+#[test]
+fn a_subset_is_summed_up_by_itself() {
+    let specs = ["--spec", "kd+sah,kd(prune=none)+sah"];
+    let args = [&["sombrero1", "tetra5", "--first", "--subset", "tetra5"][..], &specs].concat();
+    let text = rdh(&small(&args)).succeeded().stdout;
+    let (all, subset) = text.split_once("\ntetra5:\n").expect("the subset has a heading");
+    // Pairs of the summary's line: a view of each scene; the subset's has one.
+    let pairs = |part: &str| {
+        let lines = part.lines().filter(|line| line.starts_with("kd(prune=none)+sah") && line.contains(" to "));
+        lines.map(|line| line.split_whitespace().nth(2).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!((pairs(all), pairs(subset)), (vec!["2".to_owned()], vec!["1".to_owned()]));
+    rdh(&small(&["tetra5", "--subset", "sombrero1"])).failed(2, &["sombrero1", "none of the scenes"]);
+    rdh(&small(&["tetra5", "--subset", "tetra5", "--json"])).failed(2, &["--subset", "--json"]);
+}

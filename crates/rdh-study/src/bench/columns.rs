@@ -24,11 +24,13 @@ pub enum Column {
     Bounce,
     /// The same, no longer than a tenth of the scene's diagonal, any hit.
     Ao,
+    /// The rays of bounces in no order at all, closest hit.
+    Shuffled,
 }
 
 impl Column {
     /// All of them, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::Rows, Self::Tiles, Self::Shadow, Self::Bounce, Self::Ao];
+    pub const ALL: [Self; 6] = [Self::Rows, Self::Tiles, Self::Shadow, Self::Bounce, Self::Ao, Self::Shuffled];
 
     /// The name in tables.
     pub fn name(self) -> &'static str {
@@ -38,13 +40,14 @@ impl Column {
             Self::Shadow => "shadow",
             Self::Bounce => "bounce",
             Self::Ao => "ao",
+            Self::Shuffled => "shuffled",
         }
     }
 
     /// What is asked of its rays.
     pub fn query(self) -> Query {
         match self {
-            Self::Rows | Self::Tiles | Self::Bounce => Query::Closest,
+            Self::Rows | Self::Tiles | Self::Bounce | Self::Shuffled => Query::Closest,
             Self::Shadow | Self::Ao => Query::Occluded,
         }
     }
@@ -54,7 +57,7 @@ impl Column {
         match self {
             Self::Rows | Self::Tiles => RayClass::Primary,
             Self::Shadow => RayClass::Shadow,
-            Self::Bounce => RayClass::Bounce,
+            Self::Bounce | Self::Shuffled => RayClass::Bounce,
             Self::Ao => RayClass::Ao,
         }
     }
@@ -114,12 +117,25 @@ impl<'a> Frame<'a> {
         if column == Column::Rows {
             return self.primary.iter().map(|(ray, _)| *ray).collect();
         }
+        if column == Column::Shuffled {
+            return self.shuffled();
+        }
         let in_tiles = self.tile_order().into_iter().map(|i| &self.primary[i]);
         if column == Column::Tiles {
             return in_tiles.map(|(ray, _)| *ray).collect();
         }
         let mut random = Pcg64Mcg::seed_from_u64(self.seed << 8 ^ column as u64);
         in_tiles.filter_map(|(ray, hit)| self.secondary(column, ray, hit.as_ref()?, &mut random)).collect()
+    }
+
+    /// By Fisher and Yates.
+    fn shuffled(&self) -> Vec<Ray> {
+        let mut rays = self.rays(Column::Bounce);
+        let mut random = Pcg64Mcg::seed_from_u64(self.seed << 8 ^ Column::Shuffled as u64);
+        for last in (1..rays.len()).rev() {
+            rays.swap(last, (random.next_u64() % (last as u64 + 1)) as usize);
+        }
+        rays
     }
 
     fn tile_order(&self) -> Vec<usize> {
@@ -225,6 +241,8 @@ mod tests {
         };
         assert_eq!(sorted(Column::Rows).len(), 2500);
         assert_eq!(sorted(Column::Rows), sorted(Column::Tiles));
+        assert_eq!(sorted(Column::Bounce), sorted(Column::Shuffled));
+        assert_ne!(frame.rays(Column::Bounce), frame.rays(Column::Shuffled));
         let hits = frame.rays(Column::Rows).iter().filter(|ray| accel.closest(ray).is_some()).count();
         let (bounces, short) = (frame.rays(Column::Bounce), frame.rays(Column::Ao));
         assert!(hits > 100 && bounces.len() == hits && short.len() == hits);

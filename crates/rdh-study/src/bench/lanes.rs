@@ -3,6 +3,7 @@
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
+use rayon::ThreadPool;
 use rdh::twin::Twin;
 use rdh::{Accel, Hit, Query, Ray};
 
@@ -43,6 +44,8 @@ pub(crate) struct Lane<'a> {
 enum Runner<'a> {
     Ours(&'a Accel),
     Twin(&'a Twin),
+    /// All rays at once, on the pool's one thread.
+    Batch(&'a Accel, &'a ThreadPool),
     /// Of the group's processes.
     Engine(usize),
 }
@@ -79,6 +82,13 @@ impl<'a> Lane<'a> {
         }
     }
 
+    /// One of ours that is handed all rays at once; `pool` has one thread.
+    pub(crate) fn batch(ours: &'a Ours, pool: &'a ThreadPool) -> Self {
+        let lane = Lane::ours(ours);
+        let label = format!("{}({})", Form::Batch.name(), lane.label);
+        Self { label, form: Form::Batch, runner: Runner::Batch(&ours.accel, pool), ..lane }
+    }
+
     /// A leaky twin of one of ours.
     pub(crate) fn twin(name: &str, ours: &Ours, twin: &'a Twin) -> Self {
         let Lane { label, form, pace, queries, profile, build_secs, bytes, .. } = Lane::ours(ours);
@@ -104,7 +114,7 @@ impl<'a> Lane<'a> {
 
     /// Whether it takes part: packets are for coherent rays, and some have no any-hit query.
     pub(crate) fn takes(&self, column: Column) -> bool {
-        let coherent = self.form == Form::Single || column.is_coherent();
+        let coherent = self.form != Form::Packets || column.is_coherent();
         coherent && (self.queries == Queries::Both || column.query() == Query::Closest)
     }
 
@@ -113,6 +123,10 @@ impl<'a> Lane<'a> {
         match self.runner {
             Runner::Ours(accel) => {
                 let answers = Answers::of(accel, &batch.rays, batch.column.query());
+                Ok((batch.reference.exactly(&answers), answers.hits()))
+            }
+            Runner::Batch(accel, pool) => {
+                let answers = pool.install(|| Answers::of_batch(accel, &batch.rays, batch.column.query()));
                 Ok((batch.reference.exactly(&answers), answers.hits()))
             }
             Runner::Twin(twin) => {
@@ -135,6 +149,7 @@ impl<'a> Lane<'a> {
     pub(crate) fn cast(&self, processes: &mut [Process], batch: &Batch) -> Result<Cast, Trouble> {
         match self.runner {
             Runner::Ours(accel) => Ok(cast_all(&batch.rays, batch.column.query(), accel_casts(accel))),
+            Runner::Batch(accel, pool) => Ok(pool.install(|| cast_batch(accel, &batch.rays, batch.column.query()))),
             Runner::Twin(twin) => Ok(cast_all(&batch.rays, batch.column.query(), twin_casts(twin))),
             Runner::Engine(index) => processes[index].cast(self.form, batch.column.query(), &batch.file),
         }
@@ -192,6 +207,29 @@ fn cast_all(
         hits = rays.iter().filter(|ray| occluded(ray)).count() as u64;
     } else {
         for hit in rays.iter().filter_map(closest) {
+            hits += 1;
+            t_sum += f64::from(hit.t);
+        }
+    }
+    let (hits, t_sum) = black_box((hits, t_sum));
+    Cast { nanos: thread_nanos() - start, hits, t_sum }
+}
+
+/// All at once; there is room for the answers already, and they are summed up as the loop does.
+fn cast_batch(accel: &Accel, rays: &[Ray], query: Query) -> Cast {
+    let (mut closest, mut occluded) = (Vec::new(), Vec::new());
+    match query {
+        Query::Occluded => occluded.resize(rays.len(), false),
+        _ => closest.resize(rays.len(), None),
+    }
+    let start = thread_nanos();
+    let (mut hits, mut t_sum) = (0, 0.0);
+    if query == Query::Occluded {
+        accel.occluded_many(rays, &mut occluded);
+        hits = occluded.iter().filter(|is| **is).count() as u64;
+    } else {
+        accel.closest_many(rays, &mut closest);
+        for hit in closest.iter().flatten() {
             hits += 1;
             t_sum += f64::from(hit.t);
         }

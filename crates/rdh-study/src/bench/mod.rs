@@ -18,13 +18,13 @@
 //! ```
 
 mod columns;
-mod files;
+pub(crate) mod files;
 mod heat;
 mod lanes;
 mod log;
 mod memory;
 mod plan;
-mod process;
+pub(crate) mod process;
 mod race;
 mod registry;
 mod rows;

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use rayon::ThreadPool;
+use rdh::StructureSpec;
+use rdh::bvh::Width;
 use rdh::twin::Twin;
 
 use super::BenchEvent;
@@ -105,9 +108,16 @@ impl Race<'_, '_> {
         }
         let mut outcomes: Vec<Vec<Outcome>> = rays.iter().map(|_| Vec::new()).collect();
         let last = groups.len() - 1;
+        let pool = match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            Ok(pool) => Some(pool),
+            Err(error) => {
+                self.fail(None, format!("batches: {error}"));
+                None
+            }
+        };
         for (index, keys) in groups.iter().enumerate() {
             let (keys, mut processes): (Vec<_>, Vec<_>) = self.start(track, keys).into_iter().unzip();
-            let lanes = lanes(ours, &field, keys, &processes);
+            let lanes = lanes(ours, pool.as_ref(), &field, keys, &processes);
             for (rays, outcomes) in rays.iter().zip(&mut outcomes) {
                 self.heat(rays, &lanes, &mut processes, outcomes);
                 if index == last {
@@ -216,11 +226,15 @@ impl Race<'_, '_> {
 /// Ours, and what the processes of a group make of the competitors.
 fn lanes<'o>(
     (ours, twins): (&'o [Ours], &'o [Pair<'o>]),
+    pool: Option<&'o ThreadPool>,
     field: &[Registration],
     keys: Vec<Key>,
     processes: &[Process],
 ) -> Vec<Lane<'o>> {
     let mut lanes: Vec<_> = ours.iter().map(Lane::ours).collect();
+    // Others cast their batches ray by ray.
+    let has_tiles = |ours: &&Ours| matches!(ours.accel.stats().spec.structure, StructureSpec::Bvh(bvh) if bvh.width == Width::Eight);
+    lanes.extend(pool.iter().flat_map(|pool| ours.iter().filter(has_tiles).map(|ours| Lane::batch(ours, pool))));
     lanes.extend(twins.iter().map(|pair| Lane::twin(pair.name, pair.original, &pair.twin)));
     for engine in field {
         for mode in &engine.modes {

@@ -29,8 +29,10 @@ pub struct Registration {
 pub enum Form {
     /// One by one.
     Single,
-    /// Sixteen at a time; coherent rays only.
+    /// Eight or sixteen at a time, as wide as the instructions are; coherent rays only.
     Packets,
+    /// All at once; ours alone.
+    Batch,
 }
 
 /// How many rays a competitor casts.
@@ -52,11 +54,12 @@ pub enum Queries {
 }
 
 impl Form {
-    /// The word in requests.
+    /// The word in requests, and in names.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Single => "single",
             Self::Packets => "packets",
+            Self::Batch => "batch",
         }
     }
 }

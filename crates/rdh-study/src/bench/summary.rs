@@ -38,7 +38,7 @@ fn summary(base: &str, speedups: &[(&BenchRow, f64)]) -> Option<BenchSummary> {
     let ratios: Vec<f64> = speedups.iter().map(|(_, s)| *s).collect();
     let clusters: Vec<Vec<f64>> = ratios.iter().map(|&ratio| vec![ratio]).collect();
     Some(BenchSummary {
-        form: Form::Single,
+        form: worst_row.form,
         column: worst_row.column,
         spec: worst_row.engine.clone(),
         profile: worst_row.profile,

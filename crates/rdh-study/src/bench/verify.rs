@@ -42,10 +42,29 @@ impl Answers {
         (closest, occluded): (impl Fn(&Ray) -> Option<Hit>, impl Fn(&Ray) -> bool),
     ) -> Self {
         if query == Query::Occluded {
-            let t = rays.iter().map(|ray| if occluded(ray) { 0.0 } else { f32::INFINITY });
-            return Self { t: t.collect(), ids: Vec::new() };
+            return Self::of_occlusions(&rays.iter().map(occluded).collect::<Vec<_>>());
         }
-        let hits: Vec<Option<Hit>> = rays.iter().map(closest).collect();
+        Self::of_hits(&rays.iter().map(closest).collect::<Vec<_>>())
+    }
+
+    /// Casts all rays through one of ours at once.
+    pub(crate) fn of_batch(accel: &Accel, rays: &[Ray], query: Query) -> Self {
+        if query == Query::Occluded {
+            let mut occluded = vec![false; rays.len()];
+            accel.occluded_many(rays, &mut occluded);
+            return Self::of_occlusions(&occluded);
+        }
+        let mut hits = vec![None; rays.len()];
+        accel.closest_many(rays, &mut hits);
+        Self::of_hits(&hits)
+    }
+
+    fn of_occlusions(occluded: &[bool]) -> Self {
+        let t = occluded.iter().map(|is| if *is { 0.0 } else { f32::INFINITY }).collect();
+        Self { t, ids: Vec::new() }
+    }
+
+    fn of_hits(hits: &[Option<Hit>]) -> Self {
         let t = hits.iter().map(|hit| hit.map_or(f32::INFINITY, |h| h.t)).collect();
         let ids = hits.iter().map(|hit| hit.map_or(u32::MAX, |h| h.tri.0)).collect();
         Self { t, ids }

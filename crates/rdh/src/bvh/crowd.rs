@@ -9,7 +9,7 @@ use super::reinsert::{Move, Tree};
 use super::visits;
 use crate::error::Result;
 use crate::geom::Aabb;
-use crate::heuristic::Rdh;
+use crate::heuristic::{Ranks, Rdh};
 use crate::mem::reserve;
 use crate::options::Watch;
 use crate::simd::Portable;
@@ -30,15 +30,11 @@ pub(crate) struct Crowd<'a> {
     rays: Vec<u32>,
 }
 
-/// Boxes around one another, the innermost first.
-#[derive(Default)]
-struct Nest(Vec<Aabb>);
-
-/// A nest's boxes before and after a move.
+/// Boxes around one another, the innermost first, before and after a move.
 #[derive(Default)]
 struct Change {
-    before: Nest,
-    after: Nest,
+    before: Vec<Aabb>,
+    after: Vec<Aabb>,
     /// Half areas, summed.
     area_saved: f32,
 }
@@ -52,7 +48,7 @@ impl<'a> Crowd<'a> {
         let chances = visits::measure(nodes, rdh, watch, |node, of_node| {
             let first = rays.len() as u32;
             let room = MOST_IN_ALL - rays.len();
-            rays.extend(of_node.rays().take(MOST.min(room)));
+            rays.extend(of_node.iter().map(|span| span.ray).take(MOST.min(room)));
             ranges[node] = (first, rays.len() as u32);
         })?;
         Ok(Self { rdh, chances, ranges, rays })
@@ -79,13 +75,9 @@ impl<'a> Crowd<'a> {
     pub(crate) fn gain(&self, tree: &Tree, step: &Move) -> f32 {
         let top = tree.meeting(step);
         let (left, joined) = (Change::on_leaving(tree, step, top), Change::on_joining(tree, step, top));
-        let (mut saved, mut all) = (0.0, 0.0);
         let (first, end) = self.ranges[top as usize];
-        for &ray in &self.rays[first as usize..end as usize] {
-            let weight = self.rdh.weight(ray);
-            all += weight;
-            saved += weight * (left.saves(self.rdh, ray) + joined.saves(self.rdh, ray)) as f32;
-        }
+        let rays = self.rdh.whole(&self.rays[first as usize..end as usize]);
+        let (saved, all) = ((left.saved(&rays) + joined.saved(&rays)) as f32, rays.weight());
         let whole = tree.area(top).max(f32::MIN_POSITIVE);
         let by_area = (left.area_saved + joined.area_saved) / whole;
         self.chances[top as usize] * self.rdh.chance(saved, all, by_area)
@@ -125,23 +117,17 @@ impl Change {
     }
 
     fn lose(&mut self, extent: &Extent) {
-        self.before.0.push(extent.bounds());
+        self.before.push(extent.bounds());
         self.area_saved += extent.half_area();
     }
 
     fn win(&mut self, extent: &Extent) {
-        self.after.0.push(extent.bounds());
+        self.after.push(extent.bounds());
         self.area_saved -= extent.half_area();
     }
 
-    /// How many boxes fewer a ray meets.
-    fn saves(&self, rdh: &Rdh, ray: u32) -> i32 {
-        self.before.met(rdh, ray) - self.after.met(rdh, ray)
-    }
-}
-
-impl Nest {
-    fn met(&self, rdh: &Rdh, ray: u32) -> i32 {
-        self.0.iter().rev().take_while(|bounds| rdh.meets(ray, bounds)).count() as i32
+    /// How many boxes fewer the rays meet.
+    fn saved(&self, rays: &Ranks) -> i64 {
+        rays.weigh_nest(&self.before) - rays.weigh_nest(&self.after)
     }
 }

@@ -4,7 +4,7 @@ use super::binary::{Chooser, Node};
 use super::extent::Extent;
 use super::split::{Search, Sides, Split};
 use crate::geom::Aabb;
-use crate::heuristic::{Heuristic, NodeRays, Rdh};
+use crate::heuristic::{Heuristic, NodeRays, Ranks, Rdh};
 
 /// Splits for a heuristic's rays; by areas in nodes that hardly any of them visits.
 pub(crate) struct ByRays<'a>(pub(crate) &'a Rdh);
@@ -27,30 +27,26 @@ impl Chooser for ByRays<'_> {
         if node.rays.len() < FEW {
             return search.best(primitives, &node.centres);
         }
-        let whole = node.extent.half_area();
-        search.best_by(primitives, &node.centres, |sides, left, right| {
-            areas(sides.lows, whole, left);
-            areas(sides.highs, whole, right);
-            let Sides { lows, highs } = sides;
-            let first = lows.iter().take_while(|b| is_empty(b)).count();
-            let last = highs.len() - highs.iter().rev().take_while(|b| is_empty(b)).count();
-            let lows: Vec<Aabb> = lows[first..].iter().map(Extent::bounds).collect();
-            let highs: Vec<Aabb> = highs[..last].iter().rev().map(Extent::bounds).collect();
-            self.0.weigh_nested(&node.rays, &lows, &mut left[first..]);
-            right[..last].reverse();
-            self.0.weigh_nested(&node.rays, &highs, &mut right[..last]);
-            right[..last].reverse();
+        let (whole, rays) = (node.extent.half_area(), self.0.ranks(&node.rays));
+        search.best_by(primitives, &node.centres, |Sides { lows, highs }, left, right| {
+            self.chances(&rays, lows, whole, left);
+            self.chances(&rays, highs, whole, right);
         })
     }
 }
 
-fn is_empty(extent: &Extent) -> bool {
-    extent.bounds().is_empty()
-}
-
-/// Of boxes, relative to their node's.
-fn areas(boxes: &[Extent], whole: f32, areas: &mut [f32]) {
-    for (area, extent) in areas.iter_mut().zip(boxes) {
-        *area = if whole > 0.0 { extent.half_area() / whole } else { 1.0 };
+impl ByRays<'_> {
+    /// The chances that a ray in a node visits each of some boxes in it: by areas relative to the node's, blended with its rays.
+    fn chances(&self, rays: &Ranks, boxes: &[Extent], whole: f32, chances: &mut [f32]) {
+        // Some of the first or of the last may be empty: these are no choice.
+        let is_there = |extent: &&Extent| !extent.is_empty();
+        let bounds: Vec<Aabb> = boxes.iter().filter(is_there).map(Extent::bounds).collect();
+        let mut met = vec![0.0; bounds.len()];
+        rays.weigh(&bounds, &mut met);
+        let mut met = met.into_iter();
+        for (chance, extent) in chances.iter_mut().zip(boxes).filter(|(_, extent)| !extent.is_empty()) {
+            let area = if whole > 0.0 { extent.half_area() / whole } else { 1.0 };
+            *chance = self.0.chance(met.next().unwrap_or_default(), rays.weight(), area);
+        }
     }
 }

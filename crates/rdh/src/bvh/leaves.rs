@@ -3,7 +3,7 @@
 use crate::geom::Vec3;
 use crate::mem::Array;
 use crate::mesh::Mesh;
-use crate::simd::{Block, Indices, Kernels, Lanes};
+use crate::simd::{Block, Indices, Kernels, Lanes, prefetch};
 
 /// Blocks of eight triangles, in one form or another.
 pub(crate) trait Leaves: Clone {
@@ -21,6 +21,12 @@ pub(crate) trait Leaves: Clone {
 
     /// Bytes that are needed beside the blocks.
     fn other_bytes(&self) -> usize;
+
+    /// Asks for a block that will be needed soon.
+    #[inline(always)]
+    fn prefetch(&self, block: usize) {
+        prefetch(&self.blocks()[block]);
+    }
 }
 
 /// Copies of triangles: 40 bytes each and more, five cache lines for eight.

@@ -24,7 +24,9 @@ mod reinsert;
 mod spatial;
 mod spec;
 mod split;
+mod strands;
 mod sweep;
+mod tile;
 pub(crate) mod trace;
 mod visits;
 
@@ -66,7 +68,7 @@ pub struct Bvh<const W: usize, L = Copies> {
 
 /// Rays of a heuristic that are counted in a node, unless its spec says otherwise: fewer than in a kd-tree, since the wide nodes' coarser
 /// choices need no more.
-pub(crate) const RAYS_COUNTED: u32 = 256;
+pub(crate) const RAYS_COUNTED: u32 = 64;
 
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<const W: usize, L: Leaves> Bvh<W, L> {
@@ -211,5 +213,18 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         hash.update(bytes_of(&self.nodes));
         hash.update(bytes_of(self.leaves.blocks()));
         hash.digest()
+    }
+}
+
+#[expect(private_bounds, reason = "the forms of leaves are a closed set")]
+impl<L: Leaves> Bvh<8, L> {
+    /// [`Self::closest`] of each ray.
+    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
+        self.level.run(tile::Part::<leaf::Closest, L> { tree: self, rays, answers: hits, width });
+    }
+
+    /// [`Self::occluded`] of each ray.
+    pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
+        self.level.run(tile::Part::<leaf::Any, L> { tree: self, rays, answers: hits, width });
     }
 }

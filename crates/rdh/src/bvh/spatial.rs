@@ -100,7 +100,9 @@ impl<C: Clipper> Grower<'_, C> {
             return self.part_in_the_middle(references, &todo);
         }
         let object = self.search.best(&references, &todo.centres);
+        self.check_between(n)?;
         if let Some(spatial) = self.spatial(&references, &todo, object.as_ref()) {
+            self.check_between(n)?;
             let (left, right) = spatial.part(&references, self.clipper)?;
             // A cut that leaves all references on both sides gets nowhere. And bins only estimate how many it adds: planes and
             // bins may part references otherwise.
@@ -114,6 +116,11 @@ impl<C: Clipper> Grower<'_, C> {
             Some(split) => self.part_at(references, &split, &todo),
             None => self.part_in_the_middle(references, &todo),
         }
+    }
+
+    /// Asks whether to go on between the steps of a large node.
+    fn check_between(&self, n: usize) -> Result<()> {
+        if n > OWN_ABOVE { self.watch.check_cancelled() } else { Ok(()) }
     }
 
     /// A spatial split, if the boxes of an object split overlap, it is cheaper, and there are references to spare.

@@ -29,12 +29,13 @@ impl<P: Probe, C: Collector, L: Leaves, const W: usize> Job for Walk<'_, P, C, L
     #[inline(always)]
     fn run<K: Kernels>(self) -> C::Output {
         let Self { tree, ray, probe, start } = self;
-        let collector = C::new(start);
-        let Some(boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return collector.finish() };
-        let tester = Tester::<K>::new(ray, tree.masks.as_deref());
-        let mut caster = Watertight { boxes, tester, collector };
-        walk::<K, _, _, _, W>(&tree.nodes, &tree.leaves, &mut caster, probe);
-        caster.collector.finish()
+        match Watertight::<K, C>::new(tree, ray, start) {
+            Ok(mut caster) => {
+                walk::<K, _, _, _, W>(&tree.nodes, &tree.leaves, &mut caster, probe);
+                caster.finish()
+            }
+            Err(nothing) => nothing,
+        }
     }
 }
 
@@ -58,6 +59,26 @@ pub(crate) struct Watertight<'a, K: Kernels, C> {
     pub(crate) boxes: K::BoxRay,
     pub(crate) tester: Tester<'a, K>,
     pub(crate) collector: C,
+}
+
+impl<'a, K: Kernels, C: Collector> Watertight<'a, K, C> {
+    /// A ray made ready for a tree; what an invalid one collects is nothing.
+    #[inline(always)]
+    pub(super) fn new<L: Leaves, const W: usize>(
+        tree: &'a Bvh<W, L>,
+        ray: &Ray,
+        start: C::Start,
+    ) -> Result<Self, C::Output> {
+        let collector = C::new(start);
+        let Some(boxes) = K::box_ray(ray, tree.scale, tree.magnitude) else { return Err(collector.finish()) };
+        Ok(Self { boxes, tester: Tester::new(ray, tree.masks.as_deref()), collector })
+    }
+
+    /// What was collected.
+    #[inline(always)]
+    pub(super) fn finish(self) -> C::Output {
+        self.collector.finish()
+    }
 }
 
 impl<K: Kernels, C: Collector, const W: usize> Caster<W> for Watertight<'_, K, C> {
@@ -86,13 +107,13 @@ impl<K: Kernels, C: Collector, const W: usize> Caster<W> for Watertight<'_, K, C
 
 /// A child to be visited, and where the ray enters its box.
 #[derive(Debug, Clone, Copy)]
-struct Entry {
-    t: f32,
-    link: Link,
+pub(super) struct Entry {
+    pub(super) t: f32,
+    pub(super) link: Link,
 }
 
 /// The most entries that wait: all children but one of each node on the way down, and what was popped last.
-const STACK: usize = 7 * DEEPEST as usize + 8;
+pub(super) const STACK: usize = 7 * DEEPEST as usize + 8;
 
 /// Leads a ray through a tree, until it is done or there is nothing more: whether it goes on elsewhere.
 #[inline(always)]
@@ -144,7 +165,7 @@ pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize
 
 /// Any hit will do: the likeliest child comes first, in the order of the lanes.
 #[inline(always)]
-fn push_all<const W: usize>(
+pub(super) fn push_all<const W: usize>(
     stack: &mut Stack<'_, Entry, STACK>,
     links: &[u32; W],
     t: &Entered<W>,
@@ -161,7 +182,7 @@ fn push_all<const W: usize>(
 
 /// Puts all but the nearest child on the stack, the farthest first; returns the nearest.
 #[inline(always)]
-fn push_in_order<const W: usize>(
+pub(super) fn push_in_order<const W: usize>(
     stack: &mut Stack<'_, Entry, STACK>,
     links: &[u32; W],
     t: &Entered<W>,

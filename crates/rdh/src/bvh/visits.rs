@@ -2,7 +2,7 @@
 
 use super::binary::BinaryNode;
 use crate::error::Result;
-use crate::heuristic::{Heuristic, NodeRays, Rdh};
+use crate::heuristic::{Heuristic, Rdh, Span};
 use crate::mem::reserve;
 use crate::options::Watch;
 
@@ -24,30 +24,33 @@ pub(crate) fn measure(
     nodes: &[BinaryNode],
     rdh: &Rdh,
     watch: &Watch<'_>,
-    mut tell: impl FnMut(usize, &NodeRays),
+    mut tell: impl FnMut(usize, &[Span]),
 ) -> Result<Vec<f32>> {
     let mut chances = Vec::new();
     reserve(&mut chances, nodes.len(), "visits")?;
     chances.resize(nodes.len(), 0.0);
     let Some(root) = nodes.first() else { return Ok(chances) };
-    let rays = rdh.root(&root.0.bounds());
-    tell(0, &rays);
-    let all = rdh.weigh_node(&rays);
+    // One stack has the rays of all nodes that wait, and of those above them.
+    let mut spans = rdh.root(&root.0.bounds()).spans;
+    tell(0, &spans);
+    let all = rdh.weigh_spans(&spans);
     chances[0] = 1.0;
-    let mut todo = vec![(0, rays, all)];
+    let mut todo = vec![(0, 0..spans.len(), all)];
     while let Some((node, rays, all)) = todo.pop() {
         watch.check_at(node)?;
+        spans.truncate(rays.end);
         if !nodes[node].is_interior() {
             continue;
         }
         for child in [nodes[node].right(), node + 1] {
-            let of_child =
-                if rays.is_empty() { NodeRays::default() } else { rdh.descend(&rays, &nodes[child].0.bounds()) };
-            tell(child, &of_child);
-            let part = rdh.weigh_node(&of_child);
+            let start = spans.len();
+            rdh.descend_in(&mut spans, rays.clone(), &nodes[child].0.bounds());
+            let of_child = &spans[start..];
+            tell(child, of_child);
+            let part = rdh.weigh_spans(of_child);
             let area = ratio(nodes[child].0.half_area(), nodes[node].0.half_area());
             chances[child] = chances[node] * rdh.chance(part, all, area).max(LEAST * area);
-            todo.push((child, of_child, part));
+            todo.push((child, start..spans.len(), part));
         }
     }
     Ok(chances)

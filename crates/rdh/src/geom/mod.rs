@@ -8,10 +8,8 @@ mod triangle;
 pub use aabb::Aabb;
 pub use plane::{PlaneFrame, Scale};
 pub use ray::{GeomId, Hit, InstId, Ray, TriId};
-#[cfg(target_arch = "x86_64")]
-pub(crate) use triangle::Depths;
 pub use triangle::{RayFrame, owns_crossing};
-pub(crate) use triangle::{hit_along, hit_triangle, larger, smaller};
+pub(crate) use triangle::{crossing, hit_sheared, hit_triangle, larger, smaller};
 
 /// A point or a direction. Plain arrays, so that no vector library binds the users.
 pub type Vec3 = [f32; 3];

@@ -94,8 +94,19 @@ impl PlaneFrame {
         Self::unusual(ray, scale, magnitude, reach)
     }
 
+    /// Whether a ray needs no care where planes are not scaled: it is valid, neither far away nor of extreme length.
+    pub(crate) fn is_usual(ray: &Ray) -> bool {
+        let size = |[x, y, z]: Vec3| larger(larger(x.abs(), y.abs()), z.abs());
+        let (far, reach) = (size(ray.origin), size(ray.direction));
+        ray.is_valid() && far < Self::FAR && (Self::SHORT..=Self::LONG).contains(&reach)
+    }
+
     /// Directions of a length within 2^±UNITS are left alone.
     pub(crate) const UNITS: u32 = 8;
+    /// The largest size of a component of a direction that is surely left alone, …
+    pub(crate) const LONG: f32 = ((2 << Self::UNITS) as f32).next_down();
+    /// … and the smallest one that its largest component must have.
+    pub(crate) const SHORT: f32 = 1.0 / (1 << Self::UNITS) as f32;
     /// The slack of rays that start too far away to tell planes apart.
     const FAR_SLACK: f32 = Self::FAR / (1 << 21) as f32;
 

@@ -23,7 +23,7 @@ use super::{GeomId, Hit, InstId, Ray, TriId, Vec3};
 /// A ray made ready for [`Mesh`](crate::Mesh) triangles: the shear that turns it into the z axis.
 ///
 /// One ray must use one frame in all its tests.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayFrame {
     /// The axes that become x, y and z; z is the one along which the ray moves most.
     pub k: [usize; 3],
@@ -45,15 +45,25 @@ impl RayFrame {
     pub fn new(ray: &Ray) -> Self {
         let ([x, y, z], [ox, oy, oz]) = (ray.direction, ray.origin);
         // Selected, not indexed: an array indexed by a variable would go through memory.
-        let (k, d, origin) = if x.abs() > y.abs() && x.abs() > z.abs() {
-            ([1, 2, 0], [y, z, x], [oy, oz, ox])
-        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
-            ([2, 0, 1], [z, x, y], [oz, ox, oy])
-        } else {
-            ([0, 1, 2], [x, y, z], [ox, oy, oz])
+        let (k, d, origin) = match Self::main_axis(&ray.direction) {
+            0 => ([1, 2, 0], [y, z, x], [oy, oz, ox]),
+            1 => ([2, 0, 1], [z, x, y], [oz, ox, oy]),
+            _ => ([0, 1, 2], [x, y, z], [ox, oy, oz]),
         };
         let [dx, dy, dz] = d;
         Self { k, origin, shear: [dx / dz, dy / dz], direction_z: dz, t_min: ray.t_min, t_max: ray.t_max }
+    }
+
+    /// The axis along which a ray moves most.
+    #[inline(always)]
+    pub(crate) fn main_axis(&[x, y, z]: &Vec3) -> usize {
+        if x.abs() > y.abs() && x.abs() > z.abs() {
+            0
+        } else if x.abs() <= y.abs() && y.abs() > z.abs() {
+            1
+        } else {
+            2
+        }
     }
 
     /// A corner's coordinates along the frame's axes.
@@ -61,22 +71,6 @@ impl RayFrame {
     fn along(&self, corner: &Vec3) -> Vec3 {
         let [kx, ky, kz] = self.k;
         [corner[kx], corner[ky], corner[kz]]
-    }
-
-    /// What the depths of a triangle's corners along z say about a hit's `t`, which lies between theirs.
-    #[inline(always)]
-    pub(crate) fn depths(&self) -> Depths {
-        // A `t` beyond f32's range is no hit.
-        let (t_min, t_max) = (larger(self.t_min, f32::MIN), smaller(self.t_max, f32::MAX));
-        let (a, b) = (t_min * self.direction_z, t_max * self.direction_z);
-        let (low, high) = if self.direction_z > 0.0 { (a, b) } else { (b, a) };
-        let (low_slack, high_slack) = (Depths::slack(low), Depths::slack(high));
-        Depths {
-            nearest: low - low_slack,
-            farthest: high + high_slack,
-            surely_from: low + low_slack,
-            surely_to: high - high_slack,
-        }
     }
 
     /// How far, in each coordinate, a hit may lie from the true triangle, for geometry inside `bounds`.
@@ -88,30 +82,6 @@ impl RayFrame {
     pub fn slack(origin: Vec3, magnitude: f32) -> f32 {
         let reach = larger(larger(origin[0].abs(), origin[1].abs()), origin[2].abs());
         (reach + magnitude) * (1.0 / (1 << 21) as f32)
-    }
-}
-
-/// Limits for the depths of a triangle's corners.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Depths {
-    /// With all corners before this there is no hit.
-    pub(crate) nearest: f32,
-    /// With all corners behind this there is no hit.
-    pub(crate) farthest: f32,
-    /// With all corners from here …
-    pub(crate) surely_from: f32,
-    /// … to here every crossing is a hit.
-    pub(crate) surely_to: f32,
-}
-
-impl Depths {
-    /// The part of a depth, …
-    pub(crate) const SLACK: f32 = 1.0 / (1 << 20) as f32;
-
-    /// … which is more than all roundings on the way from a limit of `t` to it.
-    #[inline(always)]
-    fn slack(x: f32) -> f32 {
-        x.abs() * Self::SLACK + f32::MIN_POSITIVE
     }
 }
 
@@ -159,15 +129,20 @@ fn edge_functions(p: &[Vec3; 3]) -> [f64; 3] {
 /// Tests one triangle; edges and corners count as hit, and so do both ends of the ray's interval.
 #[inline(always)]
 pub(crate) fn hit_triangle(frame: &RayFrame, corners: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let [a, b, c] = corners;
-    hit_along(frame, &[frame.along(a), frame.along(b), frame.along(c)], tri)
+    hit_sheared(&shear_corners(frame, corners), frame.direction_z, (frame.t_min, frame.t_max), tri)
 }
 
-/// [`hit_triangle`] for corners that are given along the frame's axes.
+/// [`hit_triangle`] for corners that are in the ray's frame, and the interval of `t` that counts.
 #[inline(always)]
-pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> Option<Hit> {
-    let p = [shear_point(frame, *a), shear_point(frame, *b), shear_point(frame, *c)];
-    let w = edge_functions(&p);
+pub(crate) fn hit_sheared(p: &[Vec3; 3], direction_z: f32, interval: (f32, f32), tri: TriId) -> Option<Hit> {
+    let [t, u, v] = crossing(p, direction_z, interval)?;
+    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+}
+
+/// What is left of the test once the corners are in the ray's frame: `t`, `u` and `v`.
+#[inline(always)]
+pub(crate) fn crossing(p: &[Vec3; 3], direction_z: f32, (t_min, t_max): (f32, f32)) -> Option<Vec3> {
+    let w = edge_functions(p);
     // Without short cuts: which side a triangle shows is as good as random, and a wrong guess costs more than all of it.
     let (some_below, some_above) =
         ((w[0] < 0.0) | (w[1] < 0.0) | (w[2] < 0.0), (w[0] > 0.0) | (w[1] > 0.0) | (w[2] > 0.0));
@@ -180,13 +155,12 @@ pub(crate) fn hit_along(frame: &RayFrame, [a, b, c]: &[Vec3; 3], tri: TriId) -> 
     }
     let depth = w[0] * f64::from(p[0][2]) + w[1] * f64::from(p[1][2]) + w[2] * f64::from(p[2][2]);
     // Adding 0 turns -0 into 0, so that equal distances have equal bits.
-    let t = (depth / (sum * f64::from(frame.direction_z))) as f32 + 0.0;
+    let t = (depth / (sum * f64::from(direction_z))) as f32 + 0.0;
     // `t` can leave f32's range; an infinite one is no hit, even for `t_max = inf`.
-    if !((t >= frame.t_min) & (t <= frame.t_max) & t.is_finite()) {
+    if !((t >= t_min) & (t <= t_max) & t.is_finite()) {
         return None;
     }
-    let (u, v) = ((w[1] / sum) as f32, (w[2] / sum) as f32);
-    Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+    Some([t, (w[1] / sum) as f32, (w[2] / sum) as f32])
 }
 
 /// Whether a triangle that was hit also *owns* the crossing, so that of the triangles around a shared edge or corner exactly

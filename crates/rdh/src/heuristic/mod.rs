@@ -7,10 +7,12 @@
 //! Invariant: heuristics know boxes, planes and rays, never nodes, meshes or costs of leaves.
 
 mod blend;
+mod ranks;
 mod rdh;
 mod sah;
 mod spec;
 
+pub(crate) use ranks::Ranks;
 pub use rdh::Rdh;
 pub use sah::Sah;
 pub use spec::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
@@ -36,7 +38,7 @@ pub struct NodeRays {
 }
 
 /// The part of one sampled ray that lies in a node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Span {
     /// Which of the heuristic's rays.
     pub(crate) ray: u32,
@@ -50,11 +52,6 @@ impl NodeRays {
     /// How many sampled rays are alive.
     pub fn len(&self) -> usize {
         self.spans.len()
-    }
-
-    /// Which of the heuristic's rays.
-    pub(crate) fn rays(&self) -> impl Iterator<Item = u32> {
-        self.spans.iter().map(|span| span.ray)
     }
 
     /// Whether none is.

@@ -7,6 +7,9 @@
 //! the plane counts on both sides. Both are blended with the areas' chances by the number of rays in the node, so that a
 //! node without rays is split as SAH would.
 
+use std::ops::Range;
+
+use super::ranks::{Piece, Ranks};
 use super::{Blend, Heuristic, NodeRays, RayExtent, RdhSpec, Sah, Span, Stages};
 use crate::geom::{Aabb, Axis, Ray, Vec3};
 use crate::rays::{Query, Training};
@@ -36,6 +39,12 @@ struct Line {
     t_far: f32,
     /// Of a ray that any hit would stop, the mask of triangles that it sees.
     asks: Option<u32>,
+}
+
+impl Line {
+    fn whole(&self, ray: u32) -> Span {
+        Span { ray, t_in: self.t_start, t_out: self.t_end }
+    }
 }
 
 impl Rdh {
@@ -78,15 +87,22 @@ impl Rdh {
         self.stages
     }
 
-    /// Whether a ray meets a box.
-    pub(crate) fn meets(&self, ray: u32, bounds: &Aabb) -> bool {
-        let line = &self.lines[ray as usize];
-        self.clip(Span { ray, t_in: line.t_start, t_out: line.t_end }, bounds).is_some()
+    /// Whole rays side by side.
+    pub(crate) fn whole(&self, rays: &[u32]) -> Ranks {
+        self.side_by_side(rays.iter().map(|&ray| self.lines[ray as usize].whole(ray)))
     }
 
-    /// How many rays a sampled ray stands for.
-    pub(crate) fn weight(&self, ray: u32) -> f32 {
-        self.lines[ray as usize].weight
+    /// The counted rays of a node side by side.
+    pub(crate) fn ranks(&self, rays: &NodeRays) -> Ranks {
+        self.side_by_side(self.counted(rays).iter().copied())
+    }
+
+    fn side_by_side(&self, spans: impl Iterator<Item = Span>) -> Ranks {
+        let piece = |span: Span| {
+            let Line { origin, inverse, weight, .. } = self.lines[span.ray as usize];
+            Piece { origin, inverse, t_in: span.t_in, t_out: span.t_out, weight }
+        };
+        Ranks::new(spans.map(piece), self.level)
     }
 
     /// The same over a fair part of the rays.
@@ -96,7 +112,7 @@ impl Rdh {
 
     /// The same over the rays in a node alone.
     pub(crate) fn within(&self, rays: &NodeRays) -> Self {
-        Self { lines: rays.rays().map(|ray| self.lines[ray as usize]).collect(), ..*self }
+        Self { lines: rays.spans.iter().map(|span| self.lines[span.ray as usize]).collect(), ..*self }
     }
 
     /// The same, counted with other instructions.
@@ -120,24 +136,32 @@ impl Rdh {
 
     /// The weight of a node's rays.
     pub(crate) fn weigh_node(&self, rays: &NodeRays) -> f32 {
-        rays.spans.iter().map(|span| self.lines[span.ray as usize].weight).sum()
+        self.weigh_spans(&rays.spans)
     }
 
-    /// The chances that a ray in a node visits each of some boxes in it, of which each holds the one before; `chances` comes with those
-    /// by area. A ray that meets a box meets all later ones, so the first one is sought. O(R log B + B).
-    pub(crate) fn weigh_nested(&self, rays: &NodeRays, boxes: &[Aabb], chances: &mut [f32]) {
-        let mut starts = vec![0.0; boxes.len() + 1];
-        let mut all = 0.0;
-        for &span in self.counted(rays) {
-            let weight = self.lines[span.ray as usize].weight;
-            all += weight;
-            starts[boxes.partition_point(|b| self.clip(span, b).is_none())] += weight;
+    /// The weight of some rays.
+    pub(crate) fn weigh_spans(&self, spans: &[Span]) -> f32 {
+        spans.iter().map(|span| self.lines[span.ray as usize].weight).sum()
+    }
+
+    /// Adds those of some spans that meet a box to a list that has their node's from `of` on; the others are left out.
+    pub(crate) fn descend_in(&self, spans: &mut Vec<Span>, of: Range<usize>, child: &Aabb) {
+        let (start, n) = (spans.len(), of.len());
+        spans.resize(start + n, Span::default());
+        let (before, new) = spans.split_at_mut(start);
+        let met = self.clip_all(&before[of], child, new);
+        spans.truncate(start + met);
+    }
+
+    /// The parts of spans that lie in a box, one after the other; how many there are. No branch: half of them are guessed wrong.
+    fn clip_all(&self, spans: &[Span], bounds: &Aabb, clipped: &mut [Span]) -> usize {
+        let mut n = 0;
+        for &span in spans {
+            let (part, meets) = self.clip(span, bounds);
+            clipped[n] = part;
+            n += usize::from(meets);
         }
-        let mut sum = 0.0;
-        for (chance, start) in chances.iter_mut().zip(starts) {
-            sum += start;
-            *chance = self.chance(sum, all, *chance);
-        }
+        n
     }
 
     /// The chance that a ray in a node visits a child: `part` of `all` rays do, of the node's area the child has `area`.
@@ -148,17 +172,21 @@ impl Rdh {
         }
     }
 
-    /// The part of a span that lies in a box; widened by an ulp or two, so that a ray in a face is in both boxes.
-    fn clip(&self, span: Span, bounds: &Aabb) -> Option<Span> {
+    /// The part of a span that lies in a box, and whether there is one; widened by an ulp or two, so that a ray in a face is in both
+    /// boxes.
+    #[inline(always)]
+    fn clip(&self, span: Span, bounds: &Aabb) -> (Span, bool) {
         let line = &self.lines[span.ray as usize];
         let (mut t_in, mut t_out) = (span.t_in, span.t_out);
         for a in 0..3 {
             let t0 = (bounds.min[a] - line.origin[a]) * line.inverse[a];
             let t1 = (bounds.max[a] - line.origin[a]) * line.inverse[a];
-            t_in = t_in.max(t0.min(t1));
-            t_out = t_out.min(t0.max(t1));
+            let (near, far) = if t0 < t1 { (t0, t1) } else { (t1, t0) };
+            t_in = if t_in > near { t_in } else { near };
+            t_out = if t_out < far { t_out } else { far };
         }
-        (t_in <= t_out + t_out.abs() * 3e-7).then_some(Span { t_in, t_out: t_out.max(t_in), ..span })
+        let meets = t_in <= t_out + t_out.abs() * 3e-7;
+        (Span { t_in, t_out: if t_out > t_in { t_out } else { t_in }, ..span }, meets)
     }
 
     /// The lowest and the highest point of a span along an axis, and its weight.
@@ -236,13 +264,17 @@ impl Job for Weigh<'_> {
 
 impl Heuristic for Rdh {
     fn root(&self, bounds: &Aabb) -> NodeRays {
-        let whole = |(i, line): (usize, &Line)| Span { ray: i as u32, t_in: line.t_start, t_out: line.t_end };
-        let spans = self.lines.iter().enumerate().map(whole).filter_map(|s| self.clip(s, bounds)).collect();
-        NodeRays { spans }
+        let whole: Vec<Span> = (0..).zip(&self.lines).map(|(i, line)| line.whole(i)).collect();
+        self.descend(&NodeRays { spans: whole }, bounds)
     }
 
     fn descend(&self, rays: &NodeRays, child: &Aabb) -> NodeRays {
-        NodeRays { spans: rays.spans.iter().filter_map(|&s| self.clip(s, child)).collect() }
+        let mut spans = vec![Span::default(); rays.spans.len()];
+        let met = self.clip_all(&rays.spans, child, &mut spans);
+        spans.truncate(met);
+        // Those of all nodes on the way down are kept.
+        spans.shrink_to_fit();
+        NodeRays { spans }
     }
 
     fn sweep(&self, rays: &NodeRays, node: &Aabb, axis: Axis, planes: &[f32], left: &mut [f32], right: &mut [f32]) {

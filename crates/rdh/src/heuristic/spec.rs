@@ -20,7 +20,7 @@ pub struct RdhSpec {
     /// How ray counts and areas are mixed.
     pub blend: Blend,
     /// Counts at most so many rays in a node (a random sub-sample); 0 counts all.
-    /// `None` is what suits the structure: 4,096 in a kd-tree, 256 in a BVH, whose nodes hold more.
+    /// `None` is what suits the structure: 4,096 in a kd-tree, 64 in a BVH, whose nodes hold more.
     pub cap: Option<u32>,
     /// What a hierarchy takes from the rays. A kd-tree has none of these stages.
     pub stages: Stages,

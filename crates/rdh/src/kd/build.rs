@@ -104,14 +104,15 @@ impl<'a> Builder<'a> {
 
     /// Large subtrees: both sides in parallel.
     fn grow<K: Kept>(&self, mut refs: Vec<Reference>, todo: Todo) -> Result<(Branches<K>, Grown)> {
-        let mut search = Search::new(self.heuristic, self.costs, self.spec.split, self.level, self.parallel);
+        let mut search =
+            Search::new(self.heuristic, self.costs, self.spec.split, (self.level, self.parallel), &self.watch);
         if !self.parallel || refs.len() <= PARALLEL_ABOVE {
             let mut branches = Branches::default();
             let grown = self.grow_in(&mut search, &mut branches, &mut refs, 0, todo)?;
             return Ok((branches, grown));
         }
         self.watch.check_cancelled()?;
-        let Some((split, failures)) = self.choose(&mut search, &refs, &todo) else {
+        let Some((split, failures)) = self.choose(&mut search, &refs, &todo)? else {
             let mut branches = Branches::default();
             let leaf = self.leaf(&mut branches, &refs)?;
             return Ok((branches, leaf));
@@ -140,7 +141,7 @@ impl<'a> Builder<'a> {
         if n > 1024 {
             self.watch.check_cancelled()?;
         }
-        let Some((split, failures)) = self.choose(search, &stack[start..], &todo) else {
+        let Some((split, failures)) = self.choose(search, &stack[start..], &todo)? else {
             return self.leaf(branches, &stack[start..]);
         };
         let right_start = stack.len();
@@ -160,18 +161,20 @@ impl<'a> Builder<'a> {
     }
 
     /// The split of a node, unless it is to be a leaf.
-    fn choose(&self, search: &mut Search<'_>, refs: &[Reference], todo: &Todo) -> Option<(Split, Failures)> {
+    fn choose(&self, search: &mut Search<'_>, refs: &[Reference], todo: &Todo) -> Result<Option<(Split, Failures)>> {
         if refs.len() <= 1 && self.costs.leaf(refs.len()) <= self.costs.traverse || todo.depth >= self.stop.max_depth {
-            return None;
+            return Ok(None);
         }
         if self.stop.is_idle(&self.costs, refs.len(), todo.chance) {
-            return None;
+            return Ok(None);
         }
-        let split = search.best(refs, &todo.cell, &todo.tight, &todo.rays)?;
-        let failures = self.stop.go_on(&self.costs, refs.len(), split.cost, todo.failures)?;
+        let Some(split) = search.best(refs, &todo.cell, &todo.tight, &todo.rays)? else { return Ok(None) };
+        let Some(failures) = self.stop.go_on(&self.costs, refs.len(), split.cost, todo.failures) else {
+            return Ok(None);
+        };
         // Twice the references is the most that a split can need.
         let needed = if refs.len() * 2 <= todo.budget { 0 } else { count_sides(refs, &split) };
-        (needed <= todo.budget).then_some((split, failures))
+        Ok((needed <= todo.budget).then_some((split, failures)))
     }
 
     /// What the two sides of a split are to become.

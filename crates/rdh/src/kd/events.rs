@@ -7,7 +7,10 @@ use super::bins::{Bins, Node};
 use super::few::Few;
 use super::radix;
 use super::reference::Reference;
+use crate::error::Result;
 use crate::geom::{Aabb, Axis};
+use crate::mem::{reserve, reserve_all};
+use crate::options::Watch;
 use crate::simd::Level;
 
 /// The candidate planes of one axis, strictly inside the cell, in any order, and some that separate nothing; parallel arrays, whose
@@ -32,6 +35,14 @@ impl Candidates {
         self.right.clear();
         self.flats_right_from = usize::MAX;
         self.resize(len, plane, n);
+    }
+
+    /// Makes room for as many in all: those that lie flat in a plane may be listed twice, each time rounded up.
+    fn reserve(&mut self, len: usize) -> Result<()> {
+        let len = len + 16;
+        reserve_all(&mut self.planes, len, "split candidates")?;
+        reserve_all(&mut self.left, len, "split candidates")?;
+        reserve_all(&mut self.right, len, "split candidates")
     }
 
     #[inline(always)]
@@ -123,11 +134,21 @@ impl Events {
     }
 
     /// Exact candidates of many references: a plane at every bound. O(n), by radix sort.
-    pub(crate) fn sweep_sorted(&mut self, refs: &[Reference], axis: Axis, cell: &Aabb) {
+    ///
+    /// # Errors
+    /// Lack of memory; cancellation, which is asked about before each list is sorted.
+    pub(crate) fn sweep_sorted(
+        &mut self,
+        refs: &[Reference],
+        axis: Axis,
+        cell: &Aabb,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
         let a = axis.index();
-        self.lows.clear();
-        self.highs.clear();
-        self.flats.clear();
+        for keys in [&mut self.lows, &mut self.highs, &mut self.flats, &mut self.scratch] {
+            keys.clear();
+            reserve(keys, refs.len(), "split candidates")?;
+        }
         for r in refs {
             let (low, high) = (radix::key(r.min[a]), radix::key(r.max[a]));
             self.lows.push(low);
@@ -137,16 +158,21 @@ impl Events {
             }
         }
         for keys in [&mut self.lows, &mut self.highs, &mut self.flats] {
+            if keys.len() > Watch::STEPS {
+                watch.check_cancelled()?;
+            }
             radix::sort(keys, &mut self.scratch);
         }
-        self.merge(radix::key(cell.min[a]), radix::key(cell.max[a]));
+        self.merge(radix::key(cell.min[a]), radix::key(cell.max[a]))
     }
 
     /// Walks the sorted bounds together: at each distinct one inside the cell, the numbers are the positions reached.
-    fn merge(&mut self, cell_min: u32, cell_max: u32) {
+    fn merge(&mut self, cell_min: u32, cell_max: u32) -> Result<()> {
         self.found.clear();
         self.flat_planes.clear();
         let n = self.lows.len();
+        reserve(&mut self.found, 2 * n, "split candidates")?;
+        reserve(&mut self.flat_planes, self.flats.len(), "split candidates")?;
         let (mut low, mut high, mut flat) = (0, 0, 0);
         while low < n || high < n {
             let next = |keys: &[u32], i: usize| keys.get(i).copied().unwrap_or(u32::MAX);
@@ -170,10 +196,12 @@ impl Events {
             }
         }
         let filler = self.found.first().map_or(0.0, |found| found.0);
+        self.candidates.reserve(self.found.len() + self.flat_planes.len())?;
         self.candidates.reset(self.found.len(), filler, n as u32);
         for (i, &(plane, left, right)) in self.found.iter().enumerate() {
             self.candidates.set(i, plane, left, right);
         }
         self.candidates.push_flats_right(&self.flat_planes, n as u32);
+        Ok(())
     }
 }

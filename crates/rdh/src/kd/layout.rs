@@ -11,6 +11,7 @@ use super::node::Node;
 use crate::error::{Error, Result};
 use crate::geom::Vec3;
 use crate::mem::{joined, reserve};
+use crate::options::Watch;
 use crate::simd::{Block, LANES};
 
 /// Pairs in a cache line.
@@ -48,6 +49,7 @@ pub(crate) struct Draft<'a, F> {
     pub(crate) branches: &'a Branches,
     pub(crate) corners: F,
     pub(crate) parallel: bool,
+    pub(crate) watch: &'a Watch<'a>,
 }
 
 /// Subtrees of up to so many nodes are laid out by one thread each, into arrays of their own.
@@ -148,7 +150,10 @@ impl<'a, F: Fn(u32) -> [Vec3; 3]> Layout<'a, F> {
     /// A subtree from its root, whose own place is another part's if it has one.
     fn lay_out(mut self, root: Waiting) -> Result<Self> {
         self.arrays.root = self.place(Waiting { node: None, ..root })?;
+        let mut treelets = 0;
         while let Some(next) = self.waiting.pop() {
+            self.draft.watch.check_at(treelets)?;
+            treelets += 1;
             self.treelet(next)?;
         }
         self.pad_last_block();

@@ -38,7 +38,7 @@ use crate::heuristic::Heuristic;
 use crate::leaf;
 use crate::mem::Array;
 use crate::mesh::Mesh;
-use crate::options::BuildOptions;
+use crate::options::{BuildOptions, Watch};
 use crate::parts::{Part, Parts, Place, Written};
 use crate::probe::Probe;
 use crate::simd::{Block, Level};
@@ -74,7 +74,8 @@ impl KdTree {
         let bounds = scale.scaled(&in_mesh);
         let branches = grow(&clipper, bounds, spec, heuristic, max_refs(mesh.len(), options)?, options)?;
         let root = branches.nodes.len() as u32 - 1;
-        let arrays = Draft { branches: &branches, corners: |id| mesh.corners(TriId(id)), parallel }.lay_out(root)?;
+        let (corners, watch) = (|id| mesh.corners(TriId(id)), &Watch::new(options, mesh.len()));
+        let arrays = Draft { branches: &branches, corners, parallel, watch }.lay_out(root)?;
         let Arrays { root, lines, blocks, tally } = arrays;
         let tree = Self {
             root,

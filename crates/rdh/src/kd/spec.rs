@@ -18,6 +18,18 @@ pub struct KdSpec {
     pub idle: f32,
 }
 
+impl KdSpec {
+    /// `compact`: for a ray heuristic, a tree of half the memory, for rays like those that it knows no slower (docs/measurements.md).
+    /// Others may take longer.
+    pub const COMPACT: Self = Self {
+        leaf: LeafWidth::Eight,
+        split: SplitSearch::Binned,
+        prune: Prune::ByHeuristic,
+        stop: Stop::Auto,
+        idle: 0.001,
+    };
+}
+
 /// What a leaf's cost counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum LeafWidth {

@@ -5,8 +5,11 @@ use super::events::{Candidates, Events};
 use super::few::FEW;
 use super::reference::Reference;
 use super::spec::SplitSearch;
+use crate::error::Result;
 use crate::geom::{Aabb, Axis};
 use crate::heuristic::{Heuristic, NodeRays, SplitProbability};
+use crate::mem::reserve_all;
+use crate::options::Watch;
 use crate::simd::{Job, Kernels, LANES, Level};
 
 /// A split, and what it is expected to cost.
@@ -27,6 +30,7 @@ pub(crate) struct Search<'a> {
     costs: Costs,
     search: SplitSearch,
     level: Level,
+    watch: &'a Watch<'a>,
     events: Events,
     left: Vec<f32>,
     right: Vec<f32>,
@@ -51,14 +55,15 @@ impl<'a> Search<'a> {
         heuristic: &'a dyn Heuristic,
         costs: Costs,
         search: SplitSearch,
-        level: Level,
-        parallel: bool,
+        (level, parallel): (Level, bool),
+        watch: &'a Watch<'a>,
     ) -> Self {
         Self {
             heuristic,
             costs,
             search,
             level,
+            watch,
             events: Events::new(level, parallel),
             left: Vec::new(),
             right: Vec::new(),
@@ -76,10 +81,19 @@ impl<'a> Search<'a> {
 
     /// The cheapest split of a node, if there is any plane that separates something. Equal costs: the first axis, then
     /// the first candidate. `tight` is the box of all references.
-    pub(crate) fn best(&mut self, refs: &[Reference], cell: &Aabb, tight: &Aabb, rays: &NodeRays) -> Option<Split> {
+    ///
+    /// # Errors
+    /// Where references are sorted: lack of memory, or cancellation.
+    pub(crate) fn best(
+        &mut self,
+        refs: &[Reference],
+        cell: &Aabb,
+        tight: &Aabb,
+        rays: &NodeRays,
+    ) -> Result<Option<Split>> {
         let n = refs.len();
         if self.costs.is_one_test(n) {
-            return self.best_cut(n, cell, tight, rays);
+            return Ok(self.best_cut(n, cell, tight, rays));
         }
         let how = self.how(n);
         match how {
@@ -92,11 +106,21 @@ impl<'a> Search<'a> {
             match how {
                 How::Few => self.events.sweep_few(axis, cell),
                 How::Binned => self.events.sweep_bins(axis, cell, tight, n),
-                How::Sorted => self.events.sweep_sorted(refs, axis, cell),
+                How::Sorted => {
+                    self.events.sweep_sorted(refs, axis, cell, self.watch)?;
+                    self.make_room()?;
+                }
             }
             self.evaluate(axis, cell, rays, n as u32, &mut best);
         }
-        best
+        Ok(best)
+    }
+
+    /// For the chances of all candidates.
+    fn make_room(&mut self) -> Result<()> {
+        let len = self.events.candidates.len();
+        reserve_all(&mut self.left, len, "split candidates")?;
+        reserve_all(&mut self.right, len, "split candidates")
     }
 
     /// Where one test finishes the leaf, nothing but cutting off empty space can pay; what it pays is known exactly.

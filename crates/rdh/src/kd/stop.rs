@@ -22,8 +22,8 @@ impl StopRule {
     /// The deepest tree that traversal's stack can hold.
     pub(crate) const DEEPEST: u32 = 64;
 
-    /// Idle nodes of more triangles are split all the same, so that a ray that comes after all pays a bounded price.
-    const IDLE_UP_TO: usize = 48;
+    /// Idle nodes of more triangles are split all the same, so that a ray that comes after all pays a bounded price: 32 tests of eight.
+    const IDLE_UP_TO: usize = 256;
 
     /// The rule for `n` triangles.
     pub(crate) fn new(spec: &KdSpec, n: usize, max_depth: Option<usize>) -> Self {

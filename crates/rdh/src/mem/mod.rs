@@ -5,6 +5,8 @@
 )]
 
 mod array;
+#[cfg(test)]
+pub(crate) mod failing;
 mod settled;
 mod stack;
 
@@ -16,12 +18,41 @@ use crate::error::{Error, Result};
 
 /// Plain data, all zero: written by nobody, so that it costs nothing until it is used, and then on the thread that uses it.
 pub(crate) fn zeroed<T: bytemuck::Zeroable>(len: usize, what: &'static str) -> Result<Vec<T>> {
-    let bytes = len.saturating_mul(size_of::<T>());
-    bytemuck::allocation::try_zeroed_vec(len).map_err(|()| Error::OutOfMemory { what, bytes })
+    let none = none::<T>(len, what);
+    if refused() {
+        return Err(none);
+    }
+    bytemuck::allocation::try_zeroed_vec(len).map_err(|()| none)
 }
 
-/// Makes room for `additional` more elements, or says that there is none. The one allocator seam of the builders.
+/// Makes room for `additional` more elements, or says that there is none. The one allocator seam of the builders, with [`zeroed`] and
+/// the finished arrays' own.
 pub(crate) fn reserve<T>(vec: &mut Vec<T>, additional: usize, what: &'static str) -> Result<()> {
-    let bytes = additional.saturating_mul(size_of::<T>());
-    vec.try_reserve(additional).map_err(|_| Error::OutOfMemory { what, bytes })
+    if refused() {
+        return Err(none::<T>(additional, what));
+    }
+    vec.try_reserve(additional).map_err(|_| none::<T>(additional, what))
+}
+
+/// Makes room for `len` elements in all.
+pub(crate) fn reserve_all<T>(vec: &mut Vec<T>, len: usize, what: &'static str) -> Result<()> {
+    let additional = len.saturating_sub(vec.len());
+    reserve(vec, additional, what)
+}
+
+/// There is no room for so many.
+fn none<T>(len: usize, what: &'static str) -> Error {
+    Error::OutOfMemory { what, bytes: len.saturating_mul(size_of::<T>()) }
+}
+
+/// Whether a test wants this request to be refused.
+#[cfg(test)]
+fn refused() -> bool {
+    failing::refuses()
+}
+
+#[cfg(not(test))]
+#[inline(always)]
+fn refused() -> bool {
+    false
 }

@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 use rayon::prelude::*;
 
 use super::Plain;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Lists one after the other without spare room, for an array that will be read in no order: incoherent rays through large trees
 /// are up to 7 % faster for large pages. Each element is changed as the number of its list says.
@@ -51,17 +51,21 @@ pub(crate) fn settled_bytes<T: Plain>(bytes: &[u8], what: &'static str) -> Resul
 }
 
 fn room<T>(len: usize, what: &'static str) -> Result<Vec<T>> {
-    let (mut vec, bytes) = (Vec::new(), len.saturating_mul(size_of::<T>()));
-    vec.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { what, bytes })?;
+    let mut vec = Vec::new();
+    if super::refused() {
+        return Err(super::none::<T>(len, what));
+    }
+    vec.try_reserve_exact(len).map_err(|_| super::none::<T>(len, what))?;
     ask_for_large_pages(&mut vec);
     Ok(vec)
 }
 
 /// Smaller arrays stay as they are.
+#[cfg(all(target_os = "linux", not(miri)))]
 const LARGE_PAGE: usize = 2 << 20;
 
 /// Asks before the first write, since what is written has its pages. Whether it is granted makes no difference but in time.
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", not(miri)))]
 fn ask_for_large_pages<T>(vec: &mut Vec<T>) {
     let bytes = vec.capacity() * size_of::<T>();
     let start = vec.as_mut_ptr().cast::<u8>();
@@ -81,7 +85,7 @@ fn ask_for_large_pages<T>(vec: &mut Vec<T>) {
     }
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", not(miri))))]
 fn ask_for_large_pages<T>(_: &mut Vec<T>) {}
 
 #[cfg(test)]

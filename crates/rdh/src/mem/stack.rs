@@ -8,7 +8,7 @@ pub(crate) struct Slots<T: Copy, const N: usize>([MaybeUninit<T>; N]);
 impl<T: Copy, const N: usize> Slots<T, N> {
     /// Memory for a stack.
     #[inline(always)]
-    pub(crate) fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self([const { MaybeUninit::uninit() }; N])
     }
 
@@ -34,6 +34,12 @@ impl<T: Copy, const N: usize> Stack<'_, T, N> {
     pub(crate) fn push(&mut self, x: T) {
         self.slots[self.len].write(x);
         self.len += 1;
+    }
+
+    /// Takes all elements.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
     }
 
     /// How many elements there are.

@@ -35,7 +35,6 @@ instructions! {
     vmaxq_f32(a: F32, b: F32) -> F32 = pair(a, b, |a, b| number(a, b, a.max(b)));
     vcltq_f32(a: F32, b: F32) -> U32 = pair(a, b, |a, b| all_bits(a < b));
     vcleq_f32(a: F32, b: F32) -> U32 = pair(a, b, |a, b| all_bits(a <= b));
-    vcgtq_f32(a: F32, b: F32) -> U32 = pair(a, b, |a, b| all_bits(a > b));
     vcgeq_f32(a: F32, b: F32) -> U32 = pair(a, b, |a, b| all_bits(a >= b));
     vcltzq_f32(a: F32) -> U32 = each(a, |a| all_bits(a < 0.0));
     vcgtzq_f32(a: F32) -> U32 = each(a, |a| all_bits(a > 0.0));

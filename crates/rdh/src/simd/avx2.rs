@@ -3,9 +3,15 @@
 use std::arch::x86_64::*;
 
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
+use super::avx2_eight::Wide8;
+use super::avx2_sight;
 use super::portable::Portable;
-use super::{Block, Boxes, Entered, Indices, Job, Kernels, LANES, Sifted};
-use crate::geom::{Depths, Ray, RayFrame, Scale, Vec3};
+use super::reach::{LEAST_T, ROUNDING, UNDERFLOW};
+use super::{
+    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted, Sight,
+    Views,
+};
+use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
 /// Runs a job with AVX2.
 ///
@@ -20,29 +26,17 @@ pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Avx2;
 
-/// A frame in registers.
+/// A frame as it waits in memory until a leaf is met: from there a number gets into all lanes as fast as a register would come back.
 #[derive(Clone, Copy)]
+#[repr(C, align(16))]
 pub(crate) struct Frame {
-    /// Where a corner's coordinates along the frame's axes begin: 0, 8 and 16 in some order.
-    rows: [usize; 3],
-    /// The origin, negated: adding it takes its operand from memory, subtracting the origin would not.
-    back: [__m256; 3],
-    shear: [__m256; 2],
-    direction_z: __m256,
-    pub(super) limits: Limits,
-}
-
-/// [`Depths`] in registers.
-#[derive(Clone, Copy)]
-pub(super) struct Limits {
-    pub(super) nearest: __m256,
-    pub(super) farthest: __m256,
-    pub(super) surely_from: __m256,
-    pub(super) surely_to: __m256,
-    /// That of the first two which lies before the ray's start, …
-    pub(super) start: __m256,
-    /// … and the sign of the direction from there.
-    ahead: __m256,
+    /// The origin along the frame's axes, negated: adding it takes the corners from memory, subtracting the origin would not.
+    back: [f32; 4],
+    /// The shear along x and y, and 1.
+    shear: [f32; 4],
+    /// The direction along the frame's axes.
+    direction: [f32; 4],
+    axes: &'static Axes,
 }
 
 // SAFETY, for every block below: `Avx2` is named only in `enter` and in `avx512.rs`, whose `enter` asks for AVX2 as well; callers of
@@ -50,71 +44,66 @@ pub(super) struct Limits {
 // but where the block says otherwise.
 impl Kernels for Avx2 {
     type Frame = Frame;
+    type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
-    fn frames(ray: &Ray) -> (RayFrame, Frame) {
-        frames(ray)
+    fn frame(ray: &Ray) -> Frame {
+        frame(ray)
     }
 
     #[inline(always)]
-    fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        // SAFETY: see above.
-        lanes.limits = unsafe { limits(_mm256_set1_ps(frame.t_min), _mm256_set1_ps(frame.t_max), lanes.direction_z) };
+    fn ray_frame(frame: &Frame, (t_min, t_max): (f32, f32)) -> RayFrame {
+        let ([x, y, z, _], [shear_x, shear_y, ..]) = (frame.back, frame.shear);
+        let direction_z = frame.direction[2];
+        RayFrame { k: frame.axes.k, origin: [-x, -y, -z], shear: [shear_x, shear_y], direction_z, t_min, t_max }
     }
 
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
-        let spans = spans(frame, block);
-        let Spans { least, most, first, last, .. } = spans;
+    fn direction_z(frame: &Frame) -> f32 {
+        frame.direction[2]
+    }
+
+    #[inline(always)]
+    fn shear(frame: &Frame, block: &Block) -> Sheared {
+        Sheared::new(frame, block)
+    }
+
+    #[inline(always)]
+    fn inside(sheared: &Sheared, wanted: u32) -> u32 {
         // SAFETY: see above.
         unsafe {
             let zero = _mm256_setzero_ps();
-            // A hit's depth lies between those of the corners. What is not a number says nothing.
-            let outside =
-                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_GT_OQ>(most, zero));
-            let beyond = _mm256_or_ps(
-                _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.nearest),
-                _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.farthest),
-            );
-            let mut possible = !(_mm256_movemask_ps(_mm256_or_ps(outside, beyond)) as u32) & wanted;
-            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
-            let start = frame.limits.start;
-            let both_sides =
-                _mm256_and_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(first, start), _mm256_cmp_ps::<_CMP_GT_OQ>(last, start));
-            if CERTAIN || _mm256_movemask_ps(both_sides) as u32 & wanted != 0 {
-                let before = _mm256_cmp_ps::<_CMP_LT_OQ>(spans.before_start(frame), zero);
-                possible &= !(_mm256_movemask_ps(before) as u32);
-            }
-            if !CERTAIN {
-                return Sifted { possible, certain: 0 };
-            }
-            let sum = spans.sum();
-            let inside =
-                _mm256_or_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(least, zero), _mm256_cmp_ps::<_CMP_LT_OQ>(most, zero));
-            let within = _mm256_and_ps(
-                _mm256_cmp_ps::<_CMP_GT_OQ>(first, frame.limits.surely_from),
-                _mm256_cmp_ps::<_CMP_LT_OQ>(last, frame.limits.surely_to),
-            );
-            let inside = _mm256_and_ps(inside, _mm256_cmp_ps::<_CMP_ORD_Q>(sum, sum));
-            Sifted { possible, certain: _mm256_movemask_ps(_mm256_and_ps(inside, within)) as u32 & wanted }
+            // What is not a number says nothing.
+            let below = _mm256_cmp_ps::<_CMP_LT_OQ>(sheared.least, zero);
+            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(sheared.most, zero);
+            !(_mm256_movemask_ps(_mm256_and_ps(below, above)) as u32) & wanted
         }
     }
 
     #[inline(always)]
-    fn corners(_: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
-        let (p, lane) = (block.corners.as_ptr().cast::<f32>(), lane & (LANES - 1));
-        let [x, y, z] = frame.rows;
-        // SAFETY: a block has three corners of three rows of eight floats; a lane is at most 7, and a frame's rows begin at 16 at most.
+    fn is_left(frame: &Frame, Sheared { corners: [a, b, c], .. }: &Sheared, inside: u32, t_min: f32) -> bool {
+        // SAFETY: see above.
         unsafe {
-            let (x, y, z) = (p.add(x + lane), p.add(y + lane), p.add(z + lane));
-            const NEXT: usize = 3 * LANES;
-            [
-                [*x, *y, *z],
-                [*x.add(NEXT), *y.add(NEXT), *z.add(NEXT)],
-                [*x.add(2 * NEXT), *y.add(2 * NEXT), *z.add(2 * NEXT)],
-            ]
+            let direction = _mm256_broadcast_ss(&frame.direction[2]);
+            let start = _mm256_mul_ps(direction, _mm256_set1_ps(t_min));
+            // Where one of these differences is negative, turned along the ray, the corner lies before the start.
+            let (a, b, c) = (_mm256_sub_ps(a.2, start), _mm256_sub_ps(b.2, start), _mm256_sub_ps(c.2, start));
+            let (a, b, c) = (_mm256_xor_ps(a, direction), _mm256_xor_ps(b, direction), _mm256_xor_ps(c, direction));
+            _mm256_movemask_ps(_mm256_or_ps(_mm256_or_ps(a, b), c)) as u32 & inside != 0
         }
+    }
+
+    #[inline(always)]
+    fn reached(frame: &Frame, sheared: &Sheared, inside: u32, interval: (f32, f32)) -> Sifted {
+        sheared.reached(frame, inside, interval)
+    }
+
+    #[inline(always)]
+    fn corners(sheared: &Sheared, lane: usize) -> [Vec3; 3] {
+        let [a, b, c] = sheared.corners;
+        [one(a, lane), one(b, lane), one(c, lane)]
     }
 
     #[inline(always)]
@@ -215,6 +204,31 @@ impl Kernels for Avx2 {
         }
         out
     }
+
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        avx2_sight::in_view(entry, views)
+    }
+
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        avx2_sight::see(sight, index, octet)
+    }
+
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        avx2_sight::shade(sight, rays)
+    }
+
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        avx2_sight::aim(rays, eye, aims);
+    }
+
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        avx2_sight::meet_own(aims, eye, corners, met);
+    }
 }
 
 /// The axes of a frame: where their rows begin in a corner's part of a block, and their lanes.
@@ -239,55 +253,27 @@ const Z: Axes = Axes::new(0, 1, 2);
 /// The frame's axes, from three comparisons of components' sizes: bit 0 x > y, bit 1 y > z, bit 2 x > z.
 static AXES: [Axes; 8] = [Z, Z, Y, Y, Z, X, Y, X];
 
-/// [`RayFrame::new`] without a branch: which component is the longest is as good as random. Both halves of a register do the same.
+/// [`RayFrame::new`] without a branch: which component is the longest is as good as random.
 #[inline(always)]
-fn frames(ray: &Ray) -> (RayFrame, Frame) {
-    // SAFETY: as in `Avx2`; a ray begins with seven floats, in this order: origin, direction and `t_min`.
+fn frame(ray: &Ray) -> Frame {
+    let mut frame = Frame { back: [0.0; 4], shear: [0.0; 4], direction: [0.0; 4], axes: &Z };
+    // SAFETY: as in `Avx2`; a ray begins with seven floats, in this order: origin, direction and `t_min`. Four are stored to each array.
     unsafe {
         let p = std::ptr::from_ref(ray).cast::<f32>();
-        let (origin, direction) = (load_twice(p), load_twice(p.add(3)));
-        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), direction);
+        let (origin, direction) = (_mm_loadu_ps(p), _mm_loadu_ps(p.add(3)));
+        let size = _mm_andnot_ps(_mm_set1_ps(-0.0), direction);
         // x > y, y > z, and x > z in lane 2.
-        let these = _mm256_shuffle_ps::<0b00_00_01_00>(size, size);
-        let those = _mm256_shuffle_ps::<0b10_10_10_01>(size, size);
-        let longer = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(these, those)) as usize & 7;
-        let axes = &AXES[longer];
-        let order = _mm256_castps_si256(load_twice(axes.lanes.as_ptr().cast()));
-        let (o, d) = (_mm256_permutevar_ps(origin, order), _mm256_permutevar_ps(direction, order));
-        let direction_z = _mm256_permute_ps::<0b10_10_10_10>(d);
-        let shear = _mm256_div_ps(d, direction_z);
-        let (back, [shear_x, shear_y, _]) = (spread_axes(_mm256_xor_ps(_mm256_set1_ps(-0.0), o)), spread_axes(shear));
-        let frame = RayFrame {
-            k: axes.k,
-            origin: [-_mm256_cvtss_f32(back[0]), -_mm256_cvtss_f32(back[1]), -_mm256_cvtss_f32(back[2])],
-            shear: [_mm256_cvtss_f32(shear_x), _mm256_cvtss_f32(shear_y)],
-            direction_z: _mm256_cvtss_f32(direction_z),
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-        };
-        let limits = limits(_mm256_set1_ps(ray.t_min), _mm256_set1_ps(ray.t_max), direction_z);
-        (frame, Frame { rows: axes.rows, back, shear: [shear_x, shear_y], direction_z, limits })
+        let these = _mm_shuffle_ps::<0b00_00_01_00>(size, size);
+        let those = _mm_shuffle_ps::<0b10_10_10_01>(size, size);
+        let longer = _mm_movemask_ps(_mm_cmpgt_ps(these, those)) as usize & 7;
+        frame.axes = &AXES[longer];
+        let order = _mm_loadu_si128(frame.axes.lanes.as_ptr().cast());
+        let (o, d) = (_mm_permutevar_ps(origin, order), _mm_permutevar_ps(direction, order));
+        _mm_storeu_ps(frame.back.as_mut_ptr(), _mm_xor_ps(_mm_set1_ps(-0.0), o));
+        _mm_storeu_ps(frame.shear.as_mut_ptr(), _mm_div_ps(d, _mm_shuffle_ps::<0b10_10_10_10>(d, d)));
+        _mm_storeu_ps(frame.direction.as_mut_ptr(), d);
     }
-}
-
-/// [`RayFrame::depths`](crate::geom::RayFrame), all at once.
-#[inline(always)]
-fn limits(t_min: __m256, t_max: __m256, direction_z: __m256) -> Limits {
-    // SAFETY: as in `Avx2`.
-    unsafe {
-        let a = _mm256_mul_ps(_mm256_max_ps(t_min, _mm256_set1_ps(f32::MIN)), direction_z);
-        let b = _mm256_mul_ps(_mm256_min_ps(t_max, _mm256_set1_ps(f32::MAX)), direction_z);
-        // The lower end twice, the upper end twice: an end's even lane is lowered, its odd one is raised.
-        let ends = _mm256_blend_ps::<0b1100_1100>(_mm256_min_ps(a, b), _mm256_max_ps(a, b));
-        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), ends);
-        let slack = _mm256_mul_ps(size, _mm256_set1_ps(Depths::SLACK));
-        let ends = _mm256_addsub_ps(ends, _mm256_add_ps(slack, _mm256_set1_ps(f32::MIN_POSITIVE)));
-        let [nearest, surely_from, surely_to] = spread_axes(ends);
-        let farthest = _mm256_permute_ps::<0b11_11_11_11>(ends);
-        let start = _mm256_blendv_ps(nearest, farthest, direction_z);
-        let ahead = _mm256_and_ps(_mm256_set1_ps(-0.0), direction_z);
-        Limits { nearest, farthest, surely_from, surely_to, start, ahead }
-    }
+    frame
 }
 
 /// Four floats, in both halves of a register.
@@ -315,81 +301,101 @@ pub(super) fn spread_axes(v: __m256) -> [__m256; 3] {
 
 // Functions instead of closures: intrinsics inside a closure are compiled without AVX2 and become calls.
 
-/// What sifting asks of eight triangles.
+/// Eight triangles in a ray's frame.
 #[derive(Clone, Copy)]
-pub(super) struct Spans {
-    points: [(__m256, __m256, __m256); 3],
-    edges: [__m256; 3],
-    /// The smallest and the largest of the edge functions.
+pub(crate) struct Sheared {
+    corners: [(__m256, __m256, __m256); 3],
+    /// Edge functions.
+    w: [__m256; 3],
+    /// The smallest and the largest of them.
     pub(super) least: __m256,
     pub(super) most: __m256,
-    /// The smallest and the largest of the corners' depths.
-    pub(super) first: __m256,
-    pub(super) last: __m256,
 }
 
-impl Spans {
-    /// The sum of the edge functions: no number if one of them is none, which the smallest and the largest don't tell.
+impl Sheared {
     #[inline(always)]
-    pub(super) fn sum(&self) -> __m256 {
-        let [u, v, w] = self.edges;
-        // SAFETY: as in `Avx2`.
-        unsafe { _mm256_add_ps(_mm256_add_ps(u, v), w) }
-    }
-
-    /// Negative where a triangle whose corners lie on both sides of the start is surely crossed before it: the mean of the
-    /// corners' depths, less the start and more than all roundings (docs/watertight.md, section 7). Elsewhere, if all lie behind the
-    /// start, not negative, and not a number where something overflows.
-    #[inline(always)]
-    pub(super) fn before_start(&self, frame: &Frame) -> __m256 {
-        let ([u, v, w], [p0, p1, p2], Limits { start, ahead, .. }) = (self.edges, self.points, frame.limits);
+    fn new(frame: &Frame, block: &Block) -> Self {
+        let [a, b, c] = &block.corners;
+        let (a, b, c) = (shear(frame, a), shear(frame, b), shear(frame, c));
+        let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
         // SAFETY: as in `Avx2`.
         unsafe {
-            let mean = _mm256_mul_ps(u, _mm256_sub_ps(p0.2, start));
-            let mean = _mm256_fmadd_ps(v, _mm256_sub_ps(p1.2, start), mean);
-            let mean = _mm256_fmadd_ps(w, _mm256_sub_ps(p2.2, start), mean);
-            let x = _mm256_fmadd_ps(p0.0, p0.0, _mm256_fmadd_ps(p1.0, p1.0, _mm256_mul_ps(p2.0, p2.0)));
-            let y = _mm256_fmadd_ps(p0.1, p0.1, _mm256_fmadd_ps(p1.1, p1.1, _mm256_mul_ps(p2.1, p2.1)));
-            // Doubled, so that it overflows before the mean does.
-            let most =
-                _mm256_fmadd_ps(_mm256_add_ps(x, y), _mm256_set1_ps(2.0), _mm256_set1_ps(4.0 * f32::MIN_POSITIVE));
-            let most = _mm256_mul_ps(most, _mm256_sub_ps(self.last, self.first));
-            let (roundings, least) = (_mm256_set1_ps(1.0 / (1 << 22) as f32), _mm256_set1_ps(f32::MIN_POSITIVE));
-            let sum = _mm256_and_ps(_mm256_set1_ps(-0.0), _mm256_add_ps(self.least, self.most));
-            let mean = _mm256_xor_ps(mean, _mm256_xor_ps(sum, ahead));
-            _mm256_add_ps(mean, _mm256_fmadd_ps(most, roundings, least))
+            Self {
+                corners: [a, b, c],
+                w: [u, v, w],
+                least: _mm256_min_ps(_mm256_min_ps(u, v), w),
+                most: _mm256_max_ps(_mm256_max_ps(u, v), w),
+            }
+        }
+    }
+
+    /// What `reach.rs` says of one, of eight.
+    #[inline(always)]
+    fn reached(&self, frame: &Frame, inside: u32, (t_min, t_max): (f32, f32)) -> Sifted {
+        let ([u, v, w], [a, b, c]) = (self.w, self.corners);
+        // SAFETY: as in `Avx2`.
+        unsafe {
+            let (sign, zero) = (_mm256_set1_ps(-0.0), _mm256_setzero_ps());
+            let underflow = _mm256_set1_ps(UNDERFLOW);
+            let sum = _mm256_add_ps(_mm256_add_ps(u, v), w);
+            let size = _mm256_mul_ps(sum, _mm256_broadcast_ss(&frame.direction[2]));
+            let depth = _mm256_fmadd_ps(w, c.2, _mm256_fmadd_ps(v, b.2, _mm256_mul_ps(u, a.2)));
+            let depth = _mm256_xor_ps(depth, _mm256_and_ps(sign, size));
+            let size = _mm256_andnot_ps(sign, size);
+            let farthest = _mm256_max_ps(_mm256_andnot_ps(sign, a.2), _mm256_andnot_ps(sign, b.2));
+            let farthest = _mm256_max_ps(farthest, _mm256_andnot_ps(sign, c.2));
+            let x = _mm256_fmadd_ps(a.0, a.0, _mm256_fmadd_ps(b.0, b.0, _mm256_mul_ps(c.0, c.0)));
+            let y = _mm256_fmadd_ps(a.1, a.1, _mm256_fmadd_ps(b.1, b.1, _mm256_mul_ps(c.1, c.1)));
+            // Doubled, so that it overflows before the depth does.
+            let error = _mm256_fmadd_ps(_mm256_add_ps(x, y), _mm256_set1_ps(2.0), underflow);
+            let error = _mm256_fmadd_ps(_mm256_mul_ps(error, farthest), _mm256_set1_ps(ROUNDING), underflow);
+            let error = _mm256_fmadd_ps(size, _mm256_set1_ps(LEAST_T), error);
+            let vanishes = _mm256_cmp_ps::<_CMP_NGE_UQ>(size, _mm256_set1_ps(f32::MIN_POSITIVE));
+            let error = _mm256_or_ps(error, vanishes);
+            let (low, high) = (_mm256_sub_ps(depth, error), _mm256_add_ps(depth, error));
+            // A `t` beyond f32's range is no hit.
+            let (t_min, t_max) = (larger(t_min, f32::MIN), smaller(t_max, f32::MAX));
+            let (first, last) =
+                (_mm256_mul_ps(size, _mm256_set1_ps(t_min)), _mm256_mul_ps(size, _mm256_set1_ps(t_max)));
+            let before = _mm256_cmp_ps::<_CMP_LT_OQ>(high, first);
+            let outside = _mm256_or_ps(before, _mm256_cmp_ps::<_CMP_GT_OQ>(low, last));
+            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.least, zero);
+            let one_sign = _mm256_or_ps(above, _mm256_cmp_ps::<_CMP_LT_OQ>(self.most, zero));
+            let behind = _mm256_cmp_ps::<_CMP_GT_OQ>(low, first);
+            let within = _mm256_and_ps(behind, _mm256_cmp_ps::<_CMP_LT_OQ>(high, last));
+            Sifted {
+                possible: !(_mm256_movemask_ps(outside) as u32) & inside,
+                certain: _mm256_movemask_ps(_mm256_and_ps(one_sign, within)) as u32 & inside,
+            }
         }
     }
 }
 
+/// One of eight corners.
 #[inline(always)]
-pub(super) fn spans(frame: &Frame, block: &Block) -> Spans {
-    let (p0, p1, p2) =
-        (shear(frame, &block.corners[0]), shear(frame, &block.corners[1]), shear(frame, &block.corners[2]));
-    let (u, v, w) = (cross(p2, p1), cross(p0, p2), cross(p1, p0));
+fn one((x, y, z): (__m256, __m256, __m256), lane: usize) -> Vec3 {
     // SAFETY: as in `Avx2`.
     unsafe {
-        Spans {
-            points: [p0, p1, p2],
-            edges: [u, v, w],
-            least: _mm256_min_ps(_mm256_min_ps(u, v), w),
-            most: _mm256_max_ps(_mm256_max_ps(u, v), w),
-            first: _mm256_min_ps(_mm256_min_ps(p0.2, p1.2), p2.2),
-            last: _mm256_max_ps(_mm256_max_ps(p0.2, p1.2), p2.2),
-        }
+        let lane = _mm256_castsi128_si256(_mm_cvtsi32_si128(lane as i32));
+        [
+            _mm256_cvtss_f32(_mm256_permutevar8x32_ps(x, lane)),
+            _mm256_cvtss_f32(_mm256_permutevar8x32_ps(y, lane)),
+            _mm256_cvtss_f32(_mm256_permutevar8x32_ps(z, lane)),
+        ]
     }
 }
 
 /// Eight corners in the ray's frame: sheared x and y, and depth.
 #[inline(always)]
 fn shear(frame: &Frame, corner: &[[f32; 8]; 3]) -> (__m256, __m256, __m256) {
-    let ([x, y, z], p) = (frame.rows, corner.as_ptr().cast::<f32>());
+    let ([x, y, z], p) = (frame.axes.rows, corner.as_ptr().cast::<f32>());
     // SAFETY: as in `Avx2`; a corner has three rows of eight floats, and a frame's rows begin at 16 at most.
     unsafe {
-        let z = _mm256_add_ps(frame.back[2], _mm256_loadu_ps(p.add(z)));
-        let x = _mm256_add_ps(frame.back[0], _mm256_loadu_ps(p.add(x)));
-        let y = _mm256_add_ps(frame.back[1], _mm256_loadu_ps(p.add(y)));
-        (_mm256_sub_ps(x, _mm256_mul_ps(frame.shear[0], z)), _mm256_sub_ps(y, _mm256_mul_ps(frame.shear[1], z)), z)
+        let z = _mm256_add_ps(_mm256_broadcast_ss(&frame.back[2]), _mm256_loadu_ps(p.add(z)));
+        let x = _mm256_add_ps(_mm256_broadcast_ss(&frame.back[0]), _mm256_loadu_ps(p.add(x)));
+        let y = _mm256_add_ps(_mm256_broadcast_ss(&frame.back[1]), _mm256_loadu_ps(p.add(y)));
+        let (shear_x, shear_y) = (_mm256_broadcast_ss(&frame.shear[0]), _mm256_broadcast_ss(&frame.shear[1]));
+        (_mm256_sub_ps(x, _mm256_mul_ps(shear_x, z)), _mm256_sub_ps(y, _mm256_mul_ps(shear_y, z)), z)
     }
 }
 

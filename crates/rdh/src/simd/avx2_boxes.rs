@@ -89,12 +89,12 @@ struct AxesRay {
 
 /// The largest sizes of an origin's and a direction's components with which a ray needs no special care …
 const MOST: [[f32; 4]; 2] = {
-    let (far, long) = (PlaneFrame::FAR.next_down(), ((2 << PlaneFrame::UNITS) as f32).next_down());
+    let (far, long) = (PlaneFrame::FAR.next_down(), PlaneFrame::LONG);
     [[far, far, far, long], [long, long, long, f32::INFINITY]]
 };
 /// … and the smallest ones of a direction's, of which one has to be reached.
 const LEAST: [f32; 4] = {
-    let (never, short) = (f32::NAN, 1.0 / (1 << PlaneFrame::UNITS) as f32);
+    let (never, short) = (f32::NAN, PlaneFrame::SHORT);
     [short, short, short, never]
 };
 

@@ -2,9 +2,13 @@
 
 use std::arch::x86_64::*;
 
-use super::avx2::{Avx2, Frame, Spans, spans};
+use super::avx2::{Avx2, Frame, Sheared};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
-use super::{Block, Boxes, Entered, Indices, Job, Kernels, Sifted};
+use super::avx2_eight::Wide8;
+use super::avx2_sight;
+use super::{
+    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, Met, Octet, RAYS, Shade, Sifted, Sight, Views,
+};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX-512.
@@ -27,53 +31,55 @@ impl Kernels for Avx512 {
     const MASKS: bool = true;
 
     type Frame = Frame;
+    type Sheared = Sheared;
     type BoxRay = WideRay;
+    type Eight = Wide8;
 
     #[inline(always)]
-    fn frames(ray: &Ray) -> (RayFrame, Frame) {
-        Avx2::frames(ray)
+    fn frame(ray: &Ray) -> Frame {
+        Avx2::frame(ray)
     }
 
     #[inline(always)]
-    fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        Avx2::shorten(lanes, frame);
+    fn ray_frame(frame: &Frame, interval: (f32, f32)) -> RayFrame {
+        Avx2::ray_frame(frame, interval)
     }
 
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
-        let spans = spans(frame, block);
-        let Spans { least, most, first, last, .. } = spans;
+    fn direction_z(frame: &Frame) -> f32 {
+        Avx2::direction_z(frame)
+    }
+
+    #[inline(always)]
+    fn shear(frame: &Frame, block: &Block) -> Sheared {
+        Avx2::shear(frame, block)
+    }
+
+    #[inline(always)]
+    fn inside(sheared: &Sheared, wanted: u32) -> u32 {
         // SAFETY: see above.
         unsafe {
-            let zero = _mm256_setzero_ps();
-            let wanted = wanted as __mmask8;
-            // A hit's depth lies between those of the corners. What is not a number says nothing.
-            let within = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(wanted, last, frame.limits.nearest);
-            let within = _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, first, frame.limits.farthest);
-            let mut possible = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(within, least, zero)
-                | _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(within, most, zero);
-            // Any-hit rays mostly come from a surface: to ask whether it matters would cost them more.
-            let start = frame.limits.start;
-            let both_sides = _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(wanted, first, start);
-            if CERTAIN || _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(both_sides, last, start) != 0 {
-                possible &= _mm256_cmp_ps_mask::<_CMP_NLT_UQ>(spans.before_start(frame), zero);
-            }
-            if !CERTAIN {
-                return Sifted { possible: u32::from(possible), certain: 0 };
-            }
-            let within = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(wanted, first, frame.limits.surely_from);
-            let within = _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, last, frame.limits.surely_to);
-            let sum = spans.sum();
-            let within = _mm256_mask_cmp_ps_mask::<_CMP_ORD_Q>(within, sum, sum);
-            let certain = _mm256_mask_cmp_ps_mask::<_CMP_GT_OQ>(within, least, zero)
-                | _mm256_mask_cmp_ps_mask::<_CMP_LT_OQ>(within, most, zero);
-            Sifted { possible: u32::from(possible), certain: u32::from(certain) }
+            let (zero, wanted) = (_mm256_setzero_ps(), wanted as __mmask8);
+            // What is not a number says nothing.
+            let inside = _mm256_mask_cmp_ps_mask::<_CMP_NLT_UQ>(wanted, sheared.least, zero)
+                | _mm256_mask_cmp_ps_mask::<_CMP_NGT_UQ>(wanted, sheared.most, zero);
+            u32::from(inside)
         }
     }
 
     #[inline(always)]
-    fn corners(ray: &RayFrame, frame: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
-        Avx2::corners(ray, frame, block, lane)
+    fn is_left(frame: &Frame, sheared: &Sheared, inside: u32, t_min: f32) -> bool {
+        Avx2::is_left(frame, sheared, inside, t_min)
+    }
+
+    #[inline(always)]
+    fn reached(frame: &Frame, sheared: &Sheared, inside: u32, interval: (f32, f32)) -> Sifted {
+        Avx2::reached(frame, sheared, inside, interval)
+    }
+
+    #[inline(always)]
+    fn corners(sheared: &Sheared, lane: usize) -> [Vec3; 3] {
+        Avx2::corners(sheared, lane)
     }
 
     #[inline(always)]
@@ -136,5 +142,30 @@ impl Kernels for Avx512 {
     #[inline(always)]
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8] {
         Avx2::bin(values, first, scale, last)
+    }
+
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        avx2_sight::in_view(entry, views)
+    }
+
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        avx2_sight::see(sight, index, octet)
+    }
+
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        avx2_sight::shade(sight, rays)
+    }
+
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        avx2_sight::aim(rays, eye, aims);
+    }
+
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        avx2_sight::meet_own(aims, eye, corners, met);
     }
 }

@@ -8,7 +8,7 @@ use crate::geom::{GeomId, Hit, InstId, Ray, TriId};
 
 /// A ray in registers. With `MASKS` comparisons give masks, as AVX-512 can.
 #[derive(Clone, Copy)]
-pub(crate) struct LeakyRay<const MASKS: bool> {
+pub(crate) struct LeakyRay<'a, const MASKS: bool> {
     inverse: [__m256; 3],
     /// Minus the origin, times the inverse.
     start: [__m256; 3],
@@ -18,16 +18,19 @@ pub(crate) struct LeakyRay<const MASKS: bool> {
     direction: [__m256; 3],
     t_min: __m256,
     end: __m256,
+    /// The triangles' masks, if they have any, and the ray's.
+    masks: Option<&'a [u32]>,
+    mask: u32,
     pub(crate) hit: Option<Hit>,
 }
 
 // SAFETY, for every block below: a `LeakyRay` is only used inside of jobs that run with AVX2 and FMA, and with AVX-512 VL if `MASKS`
 // (`Twin` sees to it); loads and stores lie within the references they are made from, and are unaligned ones but where the block says
 // otherwise.
-impl<const MASKS: bool> LeakyRay<MASKS> {
+impl<'a, const MASKS: bool> LeakyRay<'a, MASKS> {
     /// Prepares a ray; its direction must be finite.
     #[inline(always)]
-    pub(crate) fn new(ray: &Ray) -> Self {
+    pub(crate) fn new(ray: &Ray, masks: Option<&'a [u32]>) -> Self {
         // SAFETY: see above; a ray begins with seven floats: origin, direction and `t_min`.
         unsafe {
             let p = std::ptr::from_ref(ray).cast::<f32>();
@@ -46,6 +49,8 @@ impl<const MASKS: bool> LeakyRay<MASKS> {
                 direction: axes(direction),
                 t_min: _mm256_set1_ps(ray.t_min),
                 end: _mm256_set1_ps(ray.t_max),
+                masks,
+                mask: ray.mask,
                 hit: None,
             }
         }
@@ -108,6 +113,11 @@ impl<const MASKS: bool> LeakyRay<MASKS> {
             let t = _mm256_xor_ps(dot(&second, &along), sign);
             let (least, most) = (_mm256_mul_ps(size, self.t_min), _mm256_mul_ps(size, self.end));
             let mut found = inside::<MASKS>(u, v, size, (t, least, most)) & wanted;
+            if let Some(masks) = self.masks
+                && found != 0
+            {
+                found = seen(masks, self.mask, block.ids, found);
+            }
             if found == 0 {
                 return true;
             }
@@ -135,6 +145,14 @@ impl<const MASKS: bool> LeakyRay<MASKS> {
         }
         true
     }
+}
+
+/// Which of these lanes hold triangles that a ray sees. The ray itself stays in registers.
+#[cold]
+#[inline(never)]
+fn seen(masks: &[u32], mask: u32, ids: [u32; LANES], lanes: u32) -> u32 {
+    let sees = |lane: &usize| masks[ids[*lane] as usize] & mask != 0;
+    (0..LANES).filter(sees).fold(0, |seen, lane| seen | 1 << lane) & lanes
 }
 
 /// `t`, `u` and `v` of eight triangles.

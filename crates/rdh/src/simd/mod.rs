@@ -14,9 +14,14 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2_boxes;
 #[cfg(target_arch = "x86_64")]
+mod avx2_eight;
+#[cfg(target_arch = "x86_64")]
+mod avx2_sight;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 mod block;
 mod boxes;
+mod eight;
 mod four;
 mod guess;
 mod indices;
@@ -25,15 +30,21 @@ mod leaky;
 #[cfg(any(target_arch = "aarch64", test))]
 mod neon;
 mod portable;
+mod prefetch;
+mod reach;
+mod sight;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
+pub(crate) use eight::{Eight, Hits};
 pub(crate) use four::Four;
 pub(crate) use guess::guessed;
 pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
+pub(crate) use prefetch::prefetch;
+pub(crate) use sight::{Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views, step_of};
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -147,20 +158,35 @@ pub(crate) trait Kernels: Copy {
     #[cfg(all(feature = "twin", target_arch = "x86_64"))]
     const MASKS: bool = false;
 
-    /// A ray's frame, spread over the lanes.
+    /// A ray's frame, as blocks are looked at with it.
     type Frame: Copy;
 
-    /// [`RayFrame::new`], bit for bit, and the same spread over the lanes.
-    fn frames(ray: &Ray) -> (RayFrame, Self::Frame);
+    /// Eight triangles in a ray's frame.
+    type Sheared: Copy;
 
-    /// Takes over a shortened interval of `t`.
-    fn shorten(lanes: &mut Self::Frame, frame: &RayFrame);
+    /// Prepares a valid ray.
+    fn frame(ray: &Ray) -> Self::Frame;
 
-    /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does.
-    fn sift<const CERTAIN: bool>(frame: &Self::Frame, block: &Block, wanted: u32) -> Sifted;
+    /// [`RayFrame::new`], bit for bit, of the ray that a frame was made from, with another interval of `t`.
+    fn ray_frame(frame: &Self::Frame, interval: (f32, f32)) -> RayFrame;
 
-    /// The corners of the triangle in a lane of a block, along the frame's axes.
-    fn corners(ray: &RayFrame, frame: &Self::Frame, block: &Block, lane: usize) -> [Vec3; 3];
+    /// The direction's component along the frame's z.
+    fn direction_z(frame: &Self::Frame) -> f32;
+
+    /// Moves a block's triangles into the ray's frame, as THE triangle test does.
+    fn shear(frame: &Self::Frame, block: &Block) -> Self::Sheared;
+
+    /// Which of the `wanted` lanes the ray's line might pass through: none is missing, a few may be too many.
+    fn inside(sheared: &Self::Sheared, wanted: u32) -> u32;
+
+    /// Whether one of these lanes has a corner before the ray's start, so that the ray may have left it: an opinion.
+    fn is_left(frame: &Self::Frame, sheared: &Self::Sheared, inside: u32, t_min: f32) -> bool;
+
+    /// Which of these lanes THE triangle test might accept within an interval of `t`, and which it surely does.
+    fn reached(frame: &Self::Frame, sheared: &Self::Sheared, inside: u32, interval: (f32, f32)) -> Sifted;
+
+    /// The corners of the triangle in a lane.
+    fn corners(sheared: &Self::Sheared, lane: usize) -> [Vec3; 3];
 
     /// Copies eight triangles out of a mesh's vertices.
     ///
@@ -186,6 +212,9 @@ pub(crate) trait Kernels: Copy {
     /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
     fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
 
+    /// Eight floats: what packets of rays are made of.
+    type Eight: Eight;
+
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);
 
@@ -201,12 +230,44 @@ pub(crate) trait Kernels: Copy {
 
     /// `(value − first) · scale` in each lane, rounded towards zero, 0 to `last`. Lanes 3 and 7 mean nothing.
     fn bin(values: &[f32; 8], first: &[f32; 8], scale: &[f32; 8], last: i32) -> [i32; 8];
+
+    /// Which of eight octets of an eye's rays a triangle may be of interest to: a bit an octet.
+    #[inline(always)]
+    fn in_view(entry: &Entry, views: &Views) -> u32 {
+        sight::in_view(entry, views)
+    }
+
+    /// Compares a triangle, given with its index, with eight rays from the eye; whether anything has changed.
+    #[inline(always)]
+    fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
+        sight::see(sight, index, octet)
+    }
+
+    /// Which of eight rays towards the eye a triangle may stop, were they to end at the eye, and which it surely does,
+    /// whatever its mask.
+    #[inline(always)]
+    fn shade(sight: &Sight, rays: &Shade) -> Sifted {
+        sight::shade(sight, rays)
+    }
+
+    /// Makes eight rays ready that start at the eye, bit for bit; all others are strays.
+    #[inline(always)]
+    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+        sight::aim(rays, eye, aims);
+    }
+
+    /// THE triangle test, bit for bit, of eight rays from the eye, each with a triangle of its own. The eye is given along the axes of
+    /// the rays' side, as the corners are.
+    #[inline(always)]
+    fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met: &mut Met) {
+        sight::meet_own(aims, eye, corners, met);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Aabb, TriId, hit_triangle};
+    use crate::geom::{Aabb, TriId, hit_sheared, hit_triangle};
 
     /// Everything that kernels compute, for one set of inputs.
     struct Everything<'a> {
@@ -215,37 +276,48 @@ mod tests {
         values: &'a [f32],
     }
 
-    /// Lanes of a block, before and after the ray is shortened: those that are possible, those that THE triangle test accepts,
-    /// those that are certain.
+    /// Lanes of a block: those that the line may pass through, and of these those that may be hit, those that THE triangle test
+    /// accepts, those that surely are.
     #[derive(Debug, Clone, Copy)]
     struct Lanes {
+        inside: u32,
         possible: u32,
         accepted: u32,
         certain: u32,
     }
 
-    /// The lanes of a block that THE triangle test accepts.
-    fn accepted(frame: &RayFrame, block: &Block) -> u32 {
-        let hit = |i: usize| hit_triangle(frame, &block.corners(i), TriId(0)).is_some();
-        (0..LANES).fold(0, |lanes, i| lanes | u32::from(hit(i)) << i)
+    impl Lanes {
+        fn of<K: Kernels>(ray: &Ray, block: &Block, (t_min, t_max): (f32, f32)) -> Self {
+            let lanes = K::frame(ray);
+            let frame = K::ray_frame(&lanes, (t_min, t_max));
+            assert_eq!(frame, RayFrame { t_min, t_max, ..RayFrame::new(ray) });
+            assert_eq!(K::direction_z(&lanes), frame.direction_z);
+            let sheared = K::shear(&lanes, block);
+            let inside = K::inside(&sheared, 0xff);
+            let Sifted { possible, certain } = K::reached(&lanes, &sheared, inside, (t_min, t_max));
+            let mut accepted = 0;
+            for i in 0..LANES {
+                let hit = hit_triangle(&frame, &block.corners(i), TriId(0));
+                accepted |= u32::from(hit.is_some()) << i;
+                let same = hit_sheared(&K::corners(&sheared, i), frame.direction_z, (t_min, t_max), TriId(0));
+                assert_eq!(same, hit, "the same corners in the ray's frame");
+            }
+            Self { inside, possible, accepted, certain }
+        }
+
+        fn check(self, what: &str) {
+            assert_eq!(self.certain & !self.accepted, 0, "{what}: what is certain is accepted");
+            assert_eq!(self.accepted & !self.possible, 0, "{what}: what is accepted is possible");
+            assert_eq!(self.possible & !self.inside, 0, "{what}: what is possible is inside");
+        }
     }
 
     impl Job for Everything<'_> {
-        type Output = (Lanes, (Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]));
+        type Output = (Lanes, (u32, Vec<u32>, Vec<u32>, Vec<f32>, [i32; 8]));
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
-            let (frame, mut lanes) = K::frames(self.ray);
-            let before = K::sift::<true>(&lanes, self.block, 0xff);
-            let shortened = RayFrame { t_max: 0.5, ..frame };
-            K::shorten(&mut lanes, &shortened);
-            let after = K::sift::<true>(&lanes, self.block, 0xff);
-            assert_eq!(K::sift::<false>(&lanes, self.block, 0xff).possible, after.possible);
-            let lanes = Lanes {
-                possible: before.possible | after.possible << 8,
-                accepted: accepted(&frame, self.block) | accepted(&shortened, self.block) << 8,
-                certain: before.certain | after.certain << 8,
-            };
+            let lanes = Lanes::of::<K>(self.ray, self.block, (self.ray.t_min, self.ray.t_max));
             let planes = &self.values[..16];
             let (mut below, mut up_to, mut sums) = (vec![0; 16], vec![0; 16], vec![0.0; 13]);
             K::count_below(self.values, planes, &mut below);
@@ -255,7 +327,7 @@ mod tests {
             row.copy_from_slice(&self.values[..8]);
             let mut bins = K::bin(&row, &[-1.0; 8], &[3.7; 8], 5);
             (bins[3], bins[7]) = (0, 0);
-            (lanes, (below, up_to, sums, bins))
+            (lanes, (lanes.inside, below, up_to, sums, bins))
         }
     }
 
@@ -268,38 +340,83 @@ mod tests {
         }
     }
 
+    fn random_block(random: &mut impl FnMut() -> f32) -> Block {
+        let mut block: Block = bytemuck::Zeroable::zeroed();
+        for lane in 0..LANES {
+            let mut point = || [random(), random(), random()];
+            block.set(lane, &[point(), point(), point()], 0);
+        }
+        block
+    }
+
     #[test]
     fn all_levels_give_the_same_bits() {
         let mut random = coarse();
-        let (mut possible, mut spared, mut certain) = (0, 0, 0);
         for _ in 0..20_000 {
-            let mut block: Block = bytemuck::Zeroable::zeroed();
-            for lane in 0..LANES {
-                block.set(
-                    lane,
-                    &[[random(), random(), random()], [random(), random(), random()], [random(), random(), random()]],
-                    0,
-                );
-            }
+            let block = random_block(&mut random);
             let ray = Ray::new([random(), random(), random()], [random() + 0.01, random(), random()]);
+            let ray = if random() > 0.0 { ray.within(0.0, 0.5) } else { ray };
             let values: Vec<f32> = (0..40).map(|_| random()).collect();
             let on = |level: Level| level.run(Everything { block: &block, ray: &ray, values: &values });
-            let (portable, others) = on(Level::PORTABLE);
+            let (_, portable) = on(Level::PORTABLE);
             for level in Level::available() {
                 let (lanes, same) = on(level);
-                assert_eq!((lanes.certain, &same), (portable.certain, &others), "{}", level.name());
-                assert_eq!(lanes.certain & !lanes.accepted, 0, "{}: what is certain is accepted", level.name());
-                assert_eq!(lanes.accepted & !lanes.possible, 0, "{}: what is accepted is possible", level.name());
-                // Some levels look closer than plain loops.
-                assert_eq!(lanes.possible & !portable.possible, 0, "{}", level.name());
-                spared += (portable.possible & !lanes.possible).count_ones();
+                assert_eq!(same, portable, "{}", level.name());
+                lanes.check(level.name());
             }
-            possible += portable.possible.count_ones();
-            certain += portable.certain.count_ones();
         }
-        assert!(certain > 100 && possible > certain, "{certain} of {possible}");
-        let looks_closer = Level::available().iter().any(|level| level.name().starts_with("avx"));
-        assert_eq!(spared > 1_000, looks_closer, "{spared} of {possible}");
+    }
+
+    /// Sifting of any block, by any ray, for an interval.
+    struct Sift<'a>(&'a Block, &'a Ray, (f32, f32));
+
+    impl Job for Sift<'_> {
+        type Output = Lanes;
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Lanes {
+            Lanes::of::<K>(self.1, self.0, self.2)
+        }
+    }
+
+    /// At every size that numbers can have, the ends of the interval being just where triangles are crossed.
+    #[test]
+    fn what_is_sifted_out_is_no_hit_and_what_is_certain_is_one() {
+        let (mut random, mut possible, mut certain, mut inside, mut accepted) = (coarse(), 0, 0, 0, 0);
+        let power = |exponent: i32| 2f64.powi(exponent) as f32;
+        for round in 0..5_000 {
+            let size = power(round % 250 - 125);
+            let block = random_block(&mut || random() * size);
+            let long = power(round / 7 % 250 - 125);
+            let origin = [random() * size, random() * size, random() * size];
+            let ray = Ray::new(origin, [random() * long, random() * long, (random() + 0.01) * long]);
+            if !ray.is_valid() {
+                continue;
+            }
+            let crossed = (0..LANES).find_map(|i| {
+                let whole = RayFrame::new(&ray.within(f32::NEG_INFINITY, f32::INFINITY));
+                hit_triangle(&whole, &block.corners(i), TriId(0))
+            });
+            let t = crossed.map_or(0.0, |hit| hit.t);
+            let ends = [t, t.next_up(), t.next_down(), 0.0, f32::INFINITY, f32::NEG_INFINITY, 2.0 * t];
+            for (t_min, t_max) in ends.iter().flat_map(|&a| ends.map(|b| (a, b))).filter(|(a, b)| a <= b) {
+                for level in Level::available() {
+                    let lanes = level.run(Sift(&block, &ray, (t_min, t_max)));
+                    lanes.check(level.name());
+                    if round % 250 == 125 {
+                        inside += lanes.inside.count_ones();
+                        possible += lanes.possible.count_ones();
+                        accepted += lanes.accepted.count_ones();
+                        certain += lanes.certain.count_ones();
+                    }
+                }
+            }
+        }
+        // At ordinary sizes little is left to be tested.
+        assert!(
+            accepted > 100 && possible < accepted + inside / 4 && certain > accepted / 4,
+            "{possible} {accepted} {certain}"
+        );
     }
 
     /// The boxes that a ray meets before and after it is shortened, and where it enters those.

@@ -1,7 +1,9 @@
 //! 64-bit ARM with NEON: eight lanes as two registers of four.
 
 use super::arm::*;
+use super::eight::Plain8;
 use super::portable::Portable;
+use super::reach::{self, Sheared};
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -15,23 +17,12 @@ pub(super) fn enter<J: Job>(job: J) -> J::Output {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Neon;
 
-/// A frame in registers.
+/// A frame, and the same in registers.
 #[derive(Clone, Copy)]
 pub(crate) struct Frame {
-    /// The axes that become x, y and z.
-    axes: [usize; 3],
+    ray: RayFrame,
     origin: [F32; 3],
     shear: [F32; 2],
-    limits: Limits,
-}
-
-/// [`Depths`](crate::geom::Depths) in registers.
-#[derive(Clone, Copy)]
-struct Limits {
-    nearest: F32,
-    farthest: F32,
-    surely_from: F32,
-    surely_to: F32,
 }
 
 /// A [`BoxRay`] in registers.
@@ -49,30 +40,54 @@ pub(crate) struct WideRay {
 
 impl Kernels for Neon {
     type Frame = Frame;
+    type Sheared = [Half; 2];
     type BoxRay = WideRay;
+    type Eight = Plain8;
 
     #[inline(always)]
-    fn frames(ray: &Ray) -> (RayFrame, Frame) {
-        let frame = RayFrame::new(ray);
-        let (origin, shear) = (frame.origin.map(vdupq_n_f32), frame.shear.map(vdupq_n_f32));
-        (frame, Frame { axes: frame.k, origin, shear, limits: Limits::of(&frame) })
+    fn frame(ray: &Ray) -> Frame {
+        let ray = RayFrame::new(ray);
+        Frame { ray, origin: ray.origin.map(vdupq_n_f32), shear: ray.shear.map(vdupq_n_f32) }
     }
 
     #[inline(always)]
-    fn shorten(lanes: &mut Frame, frame: &RayFrame) {
-        lanes.limits = Limits::of(frame);
+    fn ray_frame(frame: &Frame, (t_min, t_max): (f32, f32)) -> RayFrame {
+        RayFrame { t_min, t_max, ..frame.ray }
     }
 
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(frame: &Frame, block: &Block, wanted: u32) -> Sifted {
-        let (low, high) = (sift_half::<CERTAIN>(frame, block, 0), sift_half::<CERTAIN>(frame, block, 1));
-        let possible = !bits(low.impossible, high.impossible) & wanted;
-        Sifted { possible, certain: if CERTAIN { bits(low.certain, high.certain) & wanted } else { 0 } }
+    fn direction_z(frame: &Frame) -> f32 {
+        frame.ray.direction_z
     }
 
     #[inline(always)]
-    fn corners(ray: &RayFrame, _: &Frame, block: &Block, lane: usize) -> [Vec3; 3] {
-        block.corners_along(lane, ray.k)
+    fn shear(frame: &Frame, block: &Block) -> [Half; 2] {
+        [Half::of(frame, block, 0), Half::of(frame, block, 1)]
+    }
+
+    #[inline(always)]
+    fn inside([low, high]: &[Half; 2], wanted: u32) -> u32 {
+        !bits(low.outside(), high.outside()) & wanted
+    }
+
+    #[inline(always)]
+    fn is_left(_: &Frame, _: &[Half; 2], _: u32, _: f32) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn reached(frame: &Frame, halves: &[Half; 2], inside: u32, interval: (f32, f32)) -> Sifted {
+        let one = |w: F32, lane: usize| numbers(w)[lane & 3];
+        let sheared = |lane: usize| Sheared {
+            w: halves[(lane / 4) & 1].w.map(|w| one(w, lane)),
+            corners: Self::corners(halves, lane),
+        };
+        reach::reached(inside, sheared, frame.ray.direction_z, interval)
+    }
+
+    #[inline(always)]
+    fn corners(halves: &[Half; 2], lane: usize) -> [Vec3; 3] {
+        halves[(lane / 4) & 1].corners.map(|corner| corner.map(|x| numbers(x)[lane & 3]))
     }
 
     #[inline(always)]
@@ -151,49 +166,35 @@ impl Kernels for Neon {
     }
 }
 
-impl Limits {
+/// Four triangles in the ray's frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Half {
+    /// Edge functions.
+    w: [F32; 3],
+    corners: [[F32; 3]; 3],
+}
+
+impl Half {
     #[inline(always)]
-    fn of(frame: &RayFrame) -> Self {
-        let depths = frame.depths();
-        Self {
-            nearest: vdupq_n_f32(depths.nearest),
-            farthest: vdupq_n_f32(depths.farthest),
-            surely_from: vdupq_n_f32(depths.surely_from),
-            surely_to: vdupq_n_f32(depths.surely_to),
-        }
+    fn of(frame: &Frame, block: &Block, half: usize) -> Self {
+        let [a, b, c] = [0, 1, 2].map(|corner| shear(frame, &block.corners[corner], half));
+        Self { w: [cross(c, b), cross(a, c), cross(b, a)], corners: [a, b, c] }
     }
-}
 
-/// What four triangles have to do with a ray: all bits of a lane, or none.
-struct Half {
-    impossible: U32,
-    certain: U32,
-}
-
-#[inline(always)]
-fn sift_half<const CERTAIN: bool>(frame: &Frame, block: &Block, half: usize) -> Half {
-    let [a, b, c] = [0, 1, 2].map(|corner| shear(frame, &block.corners[corner], half));
-    let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
-    // If one is not a number, neither is the least or the most, which then say nothing.
-    let (least, most) = (vminq_f32(vminq_f32(u, v), w), vmaxq_f32(vmaxq_f32(u, v), w));
-    let (first, last) = (vminq_f32(vminq_f32(a[2], b[2]), c[2]), vmaxq_f32(vmaxq_f32(a[2], b[2]), c[2]));
-    let Limits { nearest, farthest, surely_from, surely_to } = frame.limits;
-    // A hit's depth lies between those of the corners.
-    let outside = vandq_u32(vcltzq_f32(least), vcgtzq_f32(most));
-    let beyond = vorrq_u32(vcltq_f32(last, nearest), vcgtq_f32(first, farthest));
-    let impossible = vorrq_u32(outside, beyond);
-    if !CERTAIN {
-        return Half { impossible, certain: vdupq_n_u32(0) };
+    /// Which of them the ray's line surely passes by: all bits of a lane, or none.
+    #[inline(always)]
+    fn outside(&self) -> U32 {
+        let [u, v, w] = self.w;
+        // If one is not a number, neither is the least or the most, which then say nothing.
+        let (least, most) = (vminq_f32(vminq_f32(u, v), w), vmaxq_f32(vmaxq_f32(u, v), w));
+        vandq_u32(vcltzq_f32(least), vcgtzq_f32(most))
     }
-    let inside = vorrq_u32(vcgtzq_f32(least), vcltzq_f32(most));
-    let within = vandq_u32(vcgtq_f32(first, surely_from), vcltq_f32(last, surely_to));
-    Half { impossible, certain: vandq_u32(inside, within) }
 }
 
 /// Four corners in the ray's frame: sheared x and y, and depth; separate products and differences, as THE triangle test rounds.
 #[inline(always)]
 fn shear(frame: &Frame, corner: &[[f32; 8]; 3], half: usize) -> [F32; 3] {
-    let [x, y, z] = frame.axes.map(|axis| load_half(&corner[axis.min(2)], half));
+    let [x, y, z] = frame.ray.k.map(|axis| load_half(&corner[axis.min(2)], half));
     let z = vsubq_f32(z, frame.origin[2]);
     let x = vsubq_f32(vsubq_f32(x, frame.origin[0]), vmulq_f32(frame.shear[0], z));
     let y = vsubq_f32(vsubq_f32(y, frame.origin[1]), vmulq_f32(frame.shear[1], z));

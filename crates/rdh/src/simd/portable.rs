@@ -1,5 +1,7 @@
 //! Every CPU: the plain loops that other levels must agree with.
 
+use super::eight::Plain8;
+use super::reach::{self, Sheared};
 use super::{Block, BoxRay, Boxes, Entered, Job, Kernels, LANES, Sifted};
 use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 
@@ -13,56 +15,81 @@ pub(super) fn enter<J: Job>(job: J) -> J::Output {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
 
+/// Eight triangles in a ray's frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Eight {
+    /// `corners[axis][corner][lane]`.
+    corners: [[[f32; LANES]; 3]; 3],
+    /// Edge functions, `w[corner][lane]`.
+    w: [[f32; LANES]; 3],
+}
+
 impl Kernels for Portable {
     type Frame = RayFrame;
+    type Sheared = Eight;
     type BoxRay = BoxRay;
+    type Eight = Plain8;
 
     #[inline(always)]
-    fn frames(ray: &Ray) -> (RayFrame, RayFrame) {
-        let frame = RayFrame::new(ray);
-        (frame, frame)
+    fn frame(ray: &Ray) -> RayFrame {
+        RayFrame::new(ray)
     }
 
     #[inline(always)]
-    fn shorten(lanes: &mut RayFrame, frame: &RayFrame) {
-        *lanes = *frame;
+    fn ray_frame(frame: &RayFrame, (t_min, t_max): (f32, f32)) -> RayFrame {
+        RayFrame { t_min, t_max, ..*frame }
     }
 
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(frame: &RayFrame, block: &Block, wanted: u32) -> Sifted {
+    fn direction_z(frame: &RayFrame) -> f32 {
+        frame.direction_z
+    }
+
+    #[inline(always)]
+    fn shear(frame: &RayFrame, block: &Block) -> Eight {
         let [kx, ky, kz] = frame.k;
-        let (mut x, mut y, mut depth) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
+        let (mut x, mut y, mut z) = ([[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3], [[0.0f32; LANES]; 3]);
         for c in 0..3 {
             for i in 0..LANES {
-                let z = block.corners[c][kz][i] - frame.origin[2];
-                depth[c][i] = z;
-                x[c][i] = (block.corners[c][kx][i] - frame.origin[0]) - frame.shear[0] * z;
-                y[c][i] = (block.corners[c][ky][i] - frame.origin[1]) - frame.shear[1] * z;
+                let depth = block.corners[c][kz][i] - frame.origin[2];
+                z[c][i] = depth;
+                x[c][i] = (block.corners[c][kx][i] - frame.origin[0]) - frame.shear[0] * depth;
+                y[c][i] = (block.corners[c][ky][i] - frame.origin[1]) - frame.shear[1] * depth;
             }
         }
-        let limits = frame.depths();
-        let mut sifted = Sifted { possible: 0, certain: 0 };
+        let mut w = [[0.0f32; LANES]; 3];
         for i in 0..LANES {
-            let u = x[2][i] * y[1][i] - y[2][i] * x[1][i];
-            let v = x[0][i] * y[2][i] - y[0][i] * x[2][i];
-            let w = x[1][i] * y[0][i] - y[1][i] * x[0][i];
-            // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing.
-            let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
-            let inside = (u < 0.0 && v < 0.0 && w < 0.0) || (u > 0.0 && v > 0.0 && w > 0.0);
-            // A hit's depth lies between those of the corners.
-            let z = [depth[0][i], depth[1][i], depth[2][i]];
-            let (first, last) = (smaller(smaller(z[0], z[1]), z[2]), larger(larger(z[0], z[1]), z[2]));
-            let beyond = last < limits.nearest || first > limits.farthest;
-            let within = first > limits.surely_from && last < limits.surely_to;
-            sifted.possible |= u32::from(!(outside || beyond)) << i;
-            sifted.certain |= u32::from(CERTAIN && inside && within) << i;
+            w[0][i] = x[2][i] * y[1][i] - y[2][i] * x[1][i];
+            w[1][i] = x[0][i] * y[2][i] - y[0][i] * x[2][i];
+            w[2][i] = x[1][i] * y[0][i] - y[1][i] * x[0][i];
         }
-        Sifted { possible: sifted.possible & wanted, certain: sifted.certain & wanted }
+        Eight { corners: [x, y, z], w }
     }
 
     #[inline(always)]
-    fn corners(ray: &RayFrame, _: &RayFrame, block: &Block, lane: usize) -> [Vec3; 3] {
-        block.corners_along(lane, ray.k)
+    fn inside(Eight { w: [u, v, w], .. }: &Eight, wanted: u32) -> u32 {
+        // A rounded edge function that is not 0 has the exact one's sign; 0 and NaN say nothing.
+        let below = |i: usize| u[i] < 0.0 || v[i] < 0.0 || w[i] < 0.0;
+        let above = |i: usize| u[i] > 0.0 || v[i] > 0.0 || w[i] > 0.0;
+        let outside = (0..LANES).fold(0, |outside, i| outside | u32::from(below(i) && above(i)) << i);
+        !outside & wanted
+    }
+
+    #[inline(always)]
+    fn is_left(_: &RayFrame, _: &Eight, _: u32, _: f32) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn reached(frame: &RayFrame, eight: &Eight, inside: u32, interval: (f32, f32)) -> Sifted {
+        let sheared = |i: usize| Sheared { w: eight.w.map(|w| w[i]), corners: Self::corners(eight, i) };
+        reach::reached(inside, sheared, frame.direction_z, interval)
+    }
+
+    #[inline(always)]
+    fn corners(Eight { corners: [x, y, z], .. }: &Eight, lane: usize) -> [Vec3; 3] {
+        let i = lane & (LANES - 1);
+        [[x[0][i], y[0][i], z[0][i]], [x[1][i], y[1][i], z[1][i]], [x[2][i], y[2][i], z[2][i]]]
     }
 
     #[inline(always)]

@@ -87,3 +87,82 @@ fn one(mesh: &Mesh, bounds: &rdh::Aabb, i: usize, random: &mut Random) -> Ray {
         _ => ray,
     }
 }
+
+/// Rays as batches have them: pictures in rows, bundles at edges and vertices and along axes from one point or towards one, parallel
+/// ones, rays of all kinds, and among them some that hit nothing or need care.
+pub fn batch(mesh: &Mesh, inside: [f32; 3], n: usize, seed: u64) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    let mut rays = Vec::new();
+    while rays.len() < n {
+        let kind = if mesh.is_empty() { 1 } else { random.below(6) };
+        let mut some = match kind {
+            0 => picture(mesh, inside, &mut random),
+            1 => mixed(mesh, 40, random.bits().into()),
+            _ => bundle(mesh, inside, kind, &mut random),
+        };
+        if random.below(3) == 0 {
+            spoil(&mut some, &mut random);
+        }
+        rays.append(&mut some);
+    }
+    rays.truncate(n);
+    rays
+}
+
+/// Rows of 24 rays from one point.
+fn picture(mesh: &Mesh, inside: [f32; 3], random: &mut Random) -> Vec<Ray> {
+    let (middle, step) = (random.vector(), random.between(0.0005, 0.03));
+    let from = if random.below(2) == 0 { inside } else { outside(mesh, random) };
+    let ray = |i: usize| {
+        let (x, y) = ((i % 24) as f32 * step, (i / 24) as f32 * step);
+        Ray::new(from, [middle[0] + x, middle[1] + y, middle[2]])
+    };
+    (0..24 * 11).map(ray).collect()
+}
+
+fn outside(mesh: &Mesh, random: &mut Random) -> [f32; 3] {
+    let (bounds, aside) = (mesh.bounds(), random.vector());
+    [0, 1, 2].map(|a| bounds.min[a] + aside[a] * (bounds.max[a] - bounds.min[a]))
+}
+
+/// Neighbouring rays at one edge or vertex, and exactly through it now and then: from one point, towards one, or side by side.
+fn bundle(mesh: &Mesh, inside: [f32; 3], kind: usize, random: &mut Random) -> Vec<Ray> {
+    let aim = AIMS[random.below(AIMS.len())];
+    let first = aimed(mesh, inside, aim, random);
+    let width = random.between(-30.0, -4.0).exp2();
+    let near = |x: [f32; 3], scale: f32, random: &mut Random| {
+        let exact = random.below(4) == 0;
+        if exact { x } else { x.map(|x| x + scale * width * random.between(-1.0, 1.0)) }
+    };
+    let (reach, size) = (first.direction.iter().fold(0.0f32, |m, x| m.max(x.abs())), mesh.bounds().diagonal());
+    let one = |random: &mut Random| match kind {
+        2 | 3 => Ray { direction: near(first.direction, reach, random), ..first },
+        4 => Ray { origin: near(first.origin, size, random), ..first },
+        _ => {
+            let (to, from) = (first.at(1.0), near(first.origin, size, random));
+            Ray::new(from, [0, 1, 2].map(|a| to[a] - from[a])).within(0.0, 1.0)
+        }
+    };
+    (0..random.below(90)).map(|_| one(random)).collect()
+}
+
+/// Makes some rays invalid, or such as need care.
+fn spoil(rays: &mut [Ray], random: &mut Random) {
+    if rays.is_empty() {
+        return;
+    }
+    for _ in 0..3 {
+        let ray = &mut rays[random.below(rays.len())];
+        let axis = random.below(3);
+        match random.below(8) {
+            0 => ray.direction = [0.0, -0.0, 0.0],
+            1 => ray.direction[axis] = f32::NAN,
+            2 => ray.origin[axis] = f32::INFINITY,
+            3 => *ray = ray.within(2.0, 1.0),
+            4 => ray.direction = ray.direction.map(|x| x * 1e30),
+            5 => ray.direction = ray.direction.map(|x| x * 1e-30),
+            6 => *ray = ray.within(f32::NAN, f32::NAN),
+            _ => ray.origin[axis] -= 1e25,
+        }
+    }
+}

@@ -5,7 +5,7 @@ mod watch;
 
 use anyhow::{Error, Result};
 use rdh::Spec;
-use rdh_study::{Document, Plan, Verdict, run as run_plan};
+use rdh_study::{Document, Plan, Target, Verdict, run as run_plan};
 
 use self::watch::Watch;
 use crate::args::CompareArgs;
@@ -18,13 +18,14 @@ use crate::pick::Shelf;
 pub(crate) fn run(args: &CompareArgs, context: &Context) -> Result<()> {
     let plan = plan(args, context)?;
     plan.check().map_err(|e| usage(e.to_string()))?;
+    check_subset(&args.subset, &plan, context)?;
     let mut watch = Watch::new(&plan, context);
     let document = run_plan(&plan, &mut |event| watch.see(event))?;
     watch.finish();
     if context.json {
         print_json(&document)?;
     } else {
-        print(&tables::text(&document, &plan, &context.styles))?;
+        print(&tables::text(&document, &plan, &args.subset, &context.styles))?;
     }
     verdict(&document)
 }
@@ -44,6 +45,9 @@ fn plan(args: &CompareArgs, context: &Context) -> Result<Plan> {
     if plan.targets.is_empty() {
         plan.targets = shelf.usual();
     }
+    if args.first {
+        plan.targets = plan.targets.into_iter().map(first_view).collect();
+    }
     if let Some(specs) = &args.spec {
         plan.specs = Spec::list(specs).map_err(|e| usage(e.to_string()))?;
     }
@@ -55,6 +59,27 @@ fn plan(args: &CompareArgs, context: &Context) -> Result<Plan> {
     }
     plan.training = args.training.unwrap_or(plan.training);
     Ok(plan)
+}
+
+/// A scene without views in its index has one alone: an overview.
+fn first_view(mut target: Target) -> Target {
+    if target.views.is_empty() {
+        target.views.extend(target.entry.views.first().map(|view| view.name.clone()));
+    }
+    target
+}
+
+/// The table has it, and each of its scenes is run.
+fn check_subset(subset: &[String], plan: &Plan, context: &Context) -> Result<()> {
+    if context.json && !subset.is_empty() {
+        return Err(usage(
+            "--subset sums up rows of the table; with --json they are there to be chosen from".to_owned(),
+        ));
+    }
+    match subset.iter().find(|id| plan.targets.iter().all(|target| target.entry.id != **id)) {
+        Some(id) => Err(usage(format!("--subset: '{id}' is none of the scenes"))),
+        None => Ok(()),
+    }
 }
 
 /// Nothing is worse than wrong answers; then comes what could not be run.

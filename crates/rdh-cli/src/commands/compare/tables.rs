@@ -1,19 +1,20 @@
 //! The tables that `rdh compare` prints.
 
-use rdh_study::{Document, Plan, Row};
+use rdh_study::{Document, Plan, Row, summarise};
 
 use crate::context::Styles;
 use crate::summary::{ratio_cell, summary_text};
 use crate::table::{Cell, Table};
 
-/// The rows, the summary, and what they are.
-pub(super) fn text(document: &Document, plan: &Plan, styles: &Styles) -> String {
+/// The rows, the summary, that of a subset of the scenes, and what they are.
+pub(super) fn text(document: &Document, plan: &Plan, subset: &[String], styles: &Styles) -> String {
     if document.rows.is_empty() {
         return "nothing was measured\n".to_owned();
     }
     let parts = [
         rows_text(&document.rows, styles),
         summary_text(&document.summary.iter().collect::<Vec<_>>(), styles),
+        subset_text(document, plan, subset, styles),
         explanation(plan),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
@@ -34,6 +35,15 @@ fn rows_text(rows: &[Row], styles: &Styles) -> String {
         last = Some(case);
     }
     table.text(styles.head)
+}
+
+fn subset_text(document: &Document, plan: &Plan, subset: &[String], styles: &Styles) -> String {
+    let rows: Vec<Row> = document.rows.iter().filter(|row| subset.contains(&row.scene)).cloned().collect();
+    if rows.is_empty() {
+        return String::new();
+    }
+    let summary = summarise(&rows, &plan.specs[0]);
+    format!("{}:\n{}", subset.join(", "), summary_text(&summary.iter().collect::<Vec<_>>(), styles))
 }
 
 /// The first spec's row of the same rays, unless this is it.

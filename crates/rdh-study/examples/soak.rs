@@ -1,0 +1,168 @@
+//! Casts rays from inside closed meshes until so many are cast; a miss, or another answer than the first structure's, is a failure:
+//! `cargo run --release -p rdh-study --example soak -- [--rays 1e9] [--seed N] [--brute] [--specs LIST] [--scenes DIR] [--json FILE]
+//! [--engines DIR [--engine-rays N]]`
+//!
+//! A ray counts once for each structure and query. With `--brute` the meshes are small, and brute force says what is right. With
+//! `--scenes` those scenes of a folder that are closed are cast at as well. With `--engines` the competitors whose programs are in the
+//! folder (engines/README.md) get rays that are aimed alike. `cargo xtask soak` runs it.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use rdh::Spec;
+use rdh::simd::Level;
+use rdh_scene::catalog;
+use rdh_study::identical::FAMILIES;
+use rdh_study::soak::others::{Other, others};
+use rdh_study::soak::{Aim, Closed, Detail, Plan, Tally, closed_meshes, closed_model, soak};
+use serde_json::json;
+
+fn main() -> ExitCode {
+    match Wanted::parse(std::env::args().skip(1)).and_then(|wanted| wanted.run()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(3),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+struct Wanted {
+    plan: Plan,
+    scenes: Option<PathBuf>,
+    json: Option<PathBuf>,
+    engines: Option<PathBuf>,
+    engine_rays: usize,
+}
+
+/// Larger scenes are not looked at: the structures of all kinds would take minutes to build.
+const MOST_TRIANGLES: usize = 200_000;
+
+impl Wanted {
+    fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+        let list = |text: &str| Spec::list(text).map_err(|e| e.to_string());
+        let mut plan = Plan { specs: list(FAMILIES)?, casts: 10_000_000, seed: 1, brute: false };
+        // What it chooses is one of the others, and choosing takes as long as building them all.
+        plan.specs.retain(|spec| *spec != Spec::AUTO);
+        let mut wanted = Self { plan, scenes: None, json: None, engines: None, engine_rays: 100_000 };
+        while let Some(argument) = arguments.next() {
+            let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
+            match &argument[..] {
+                "--rays" => wanted.plan.casts = number(&value()?)?,
+                "--seed" => wanted.plan.seed = number(&value()?)?,
+                "--brute" => wanted.plan.brute = true,
+                "--specs" => wanted.plan.specs = list(&value()?)?,
+                "--scenes" => wanted.scenes = Some(value()?.into()),
+                "--json" => wanted.json = Some(value()?.into()),
+                "--engines" => wanted.engines = Some(value()?.into()),
+                "--engine-rays" => wanted.engine_rays = number(&value()?)? as usize,
+                other => return Err(format!("{other} is unknown")),
+            }
+        }
+        Ok(wanted)
+    }
+
+    /// Whether nothing was missed.
+    fn run(&self) -> Result<bool, String> {
+        let meshes = self.meshes()?;
+        let start = Instant::now();
+        let (mut total, mut by_mesh) = (Tally::default(), Vec::new());
+        for (i, closed) in meshes.iter().enumerate() {
+            // What smaller shares have overshot is taken from those to come.
+            let share = self.plan.casts.saturating_sub(total.casts) / (meshes.len() - i) as u64;
+            let tally = soak(closed, i, share, &self.plan).map_err(|e| format!("{}: {e}", closed.name))?;
+            by_mesh.push((closed, tally.clone()));
+            total = total.plus(tally);
+            let (rays, casts) = (total.rays, total.casts);
+            eprintln!(
+                "{}/{} {}: {rays} rays, {casts} casts, {} missed, {} different, {:.0} s",
+                i + 1,
+                meshes.len(),
+                closed.name,
+                total.misses,
+                total.different,
+                start.elapsed().as_secs_f64()
+            );
+        }
+        self.print(&total, &by_mesh);
+        let others = self.others(&meshes)?;
+        print_others(&others);
+        if let Some(path) = &self.json {
+            let meshes = by_mesh
+                .iter()
+                .map(|(closed, tally)| json!([closed.name, closed.mesh.len(), tally.casts, tally.misses]));
+            let document = json!({
+                "seed": self.plan.seed, "brute": self.plan.brute, "total": total,
+                "specs": self.plan.specs.iter().map(Spec::to_string).collect::<Vec<_>>(),
+                "aims": Aim::ALL.map(Aim::name),
+                "levels": Level::available().iter().map(|level| level.name()).collect::<Vec<_>>(),
+                "meshes": meshes.collect::<Vec<_>>(), "others": others,
+            });
+            std::fs::write(path, document.to_string()).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        Ok(total.is_clean())
+    }
+
+    fn meshes(&self) -> Result<Vec<Closed>, String> {
+        let mut meshes = closed_meshes(if self.plan.brute { Detail::Coarse } else { Detail::Fine });
+        let Some(folder) = &self.scenes else { return Ok(meshes) };
+        let entries = catalog::indexed(folder).map_err(|e| e.to_string())?;
+        for entry in entries.iter().filter(|entry| entry.triangles <= MOST_TRIANGLES) {
+            let scene = entry.load(0).map_err(|e| format!("{}: {e}", entry.id))?;
+            let flat = scene.flatten().map_err(|e| format!("{}: {e}", entry.id))?;
+            match closed_model(&entry.id, &flat.mesh) {
+                Some(closed) => meshes.push(closed),
+                None => eprintln!("{}: it is not closed, and left out", entry.id),
+            }
+        }
+        Ok(meshes)
+    }
+
+    fn print(&self, total: &Tally, by_mesh: &[(&Closed, Tally)]) {
+        println!("| structure |{} missed | different |", Aim::ALL.map(|aim| format!(" {} |", aim.name())).concat());
+        println!("|---|{}---|---|", "---|".repeat(Aim::ALL.len()));
+        for (spec, cells) in self.plan.specs.iter().zip(&total.by_structure) {
+            let casts: String = cells.iter().map(|[casts, ..]| format!(" {casts} |")).collect();
+            let sum = |which: usize| cells.iter().map(|cell| cell[which]).sum::<u64>();
+            println!("| `{spec}` |{casts} {} | {} |", sum(1), sum(2));
+        }
+        println!("\n| mesh | triangles | rays | casts | missed | different |\n|---|---|---|---|---|---|");
+        for (Closed { name, mesh, .. }, tally) in by_mesh {
+            let Tally { rays, casts, misses, different, .. } = tally;
+            println!("| {name} | {} | {rays} | {casts} | {misses} | {different} |", mesh.len());
+        }
+        for (level, casts) in Level::available().iter().zip(&total.by_level) {
+            println!("\n{}: {casts} casts", level.name());
+        }
+        total.faults.iter().for_each(|fault| println!("{fault}"));
+        let Tally { rays, casts, misses, different, .. } = total;
+        println!("\n{rays} rays, {casts} casts, seed {}: {misses} missed, {different} different", self.plan.seed);
+    }
+
+    fn others(&self, meshes: &[Closed]) -> Result<Vec<Other>, String> {
+        match &self.engines {
+            Some(folder) => others(meshes, folder, self.engine_rays, self.plan.seed),
+            None => Ok(Vec::new()),
+        }
+    }
+}
+
+fn print_others(others: &[Other]) {
+    if !others.is_empty() {
+        println!("\n| engine | mesh | aim | rays | missed |\n|---|---|---|---|---|");
+    }
+    for Other { engine, mesh, aim, rays, missed } in others {
+        println!("| {engine} | {mesh} | {aim} | {rays} | {missed} |");
+    }
+}
+
+/// `1000000`, or `1e6`.
+fn number(text: &str) -> Result<u64, String> {
+    let parsed = text.parse().ok().or_else(|| {
+        let x: f64 = text.parse().ok()?;
+        ((0.0..1e18).contains(&x) && x.fract() == 0.0).then_some(x as u64)
+    });
+    parsed.ok_or(format!("'{text}' is no whole number"))
+}

@@ -1,0 +1,39 @@
+//! Many rays at once: shared among the threads of rayon's current pool. Answers are those of single rays, in any case.
+
+mod rows;
+
+use rayon::prelude::*;
+
+use crate::geom::Ray;
+
+/// Rays that a thread takes at a time, at most, …
+const LARGEST: usize = 1 << 14;
+/// … and at least: fewer would not be worth waking it.
+const SMALLEST: usize = 1 << 10;
+/// Whole tiles.
+const UNIT: usize = 64;
+/// Rows that a thread needs to make tiles of them.
+const ROWS: usize = 8;
+
+/// Has all rays answered by `cast`, which gets some of them, where their answers go, and how many rays a row has if they are whole
+/// rows of a picture.
+///
+/// # Panics
+/// If there are not as many answers as rays.
+pub(crate) fn cast<A: Send>(rays: &[Ray], answers: &mut [A], cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync) {
+    assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
+    let rows = rows::find(rays);
+    let (width, lead) = rows.map_or((None, 0), |rows| (Some(rows.width), rows.lead));
+    let threads = rayon::current_num_threads();
+    let share = (rays.len() / (4 * threads)).clamp(SMALLEST, LARGEST);
+    let part = share.next_multiple_of(width.map_or(UNIT, |width| ROWS * width));
+    let (first, rest) = rays.split_at(lead);
+    let (first_answers, rest_answers) = answers.split_at_mut(lead);
+    cast(first, first_answers, None);
+    if threads == 1 || rest.len() <= part {
+        rest.chunks(part).zip(rest_answers.chunks_mut(part)).for_each(|(rays, answers)| cast(rays, answers, width));
+    } else {
+        let parts = rest.par_chunks(part).zip(rest_answers.par_chunks_mut(part));
+        parts.for_each(|(rays, answers)| cast(rays, answers, width));
+    }
+}

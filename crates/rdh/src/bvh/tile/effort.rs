@@ -1,0 +1,108 @@
+//! Whether a tile was worth it, from counts alone, so that it does not depend on the time.
+
+/// What a tile has cost, and what its rays would have cost one by one: in cycles, about, of a CPU with AVX2. Only the ratio matters.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Effort {
+    together: u32,
+    apart: u32,
+}
+
+impl Effort {
+    /// To visit a node with a tile: the beam against its children, their places on the stack, and two packets against each.
+    const NODE: u32 = 95;
+    /// A packet against a leaf's box.
+    const BOX: u32 = 10;
+    /// Eight rays against a triangle, or a ray against eight.
+    const SIFT: u32 = 20;
+    /// To lead a ray alone to a leaf and test it: one leaf and about three and a half nodes.
+    const ALONE: u32 = 165;
+    /// What else a ray costs alone.
+    const RAY: u32 = 100;
+
+    /// A tile of so many rays sets out.
+    #[inline(always)]
+    pub(super) fn of(rays: usize) -> Self {
+        Self { together: 0, apart: rays as u32 * Self::RAY }
+    }
+
+    /// It visits a node.
+    #[inline(always)]
+    pub(super) fn node(&mut self) {
+        self.together = self.together.wrapping_add(Self::NODE);
+    }
+
+    /// Some rays of a packet, a bit a lane, are tested against some triangles.
+    #[inline(always)]
+    pub(super) fn leaf(&mut self, rays: u32, triangles: u32) {
+        let (rays, triangles) = (rays.count_ones(), triangles.count_ones());
+        self.together = self.together.wrapping_add(Self::BOX + Self::SIFT * rays.min(triangles));
+        self.apart = self.apart.wrapping_add(Self::ALONE * rays);
+    }
+
+    /// Whether it has paid.
+    #[inline(always)]
+    pub(super) fn has_paid(self) -> bool {
+        self.together <= self.apart
+    }
+}
+
+/// After tiles that did not pay, more and more windows go without.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Patience {
+    /// Windows to come without a tile.
+    left: u32,
+    /// How many it were the last time.
+    last: u32,
+}
+
+impl Patience {
+    /// At most so many windows go without.
+    const MOST: u32 = 32;
+
+    /// Whether the next window may become a tile.
+    #[inline(always)]
+    pub(super) fn tries(&mut self) -> bool {
+        let tries = self.left == 0;
+        self.left = self.left.saturating_sub(1);
+        tries
+    }
+
+    /// A tile has paid or not.
+    #[inline(always)]
+    pub(super) fn note(&mut self, has_paid: bool) {
+        self.last = if has_paid { 0 } else { (2 * self.last + 1).min(Self::MOST) };
+        self.left = self.last;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_pay_where_rays_stay_together() {
+        let mut together = Effort::of(64);
+        (0..20).for_each(|_| together.node());
+        (0..8).for_each(|_| together.leaf(0xff, 0xf));
+        assert!(together.has_paid());
+        let mut apart = Effort::of(64);
+        (0..500).for_each(|_| apart.node());
+        (0..100).for_each(|_| apart.leaf(1, 0xf));
+        assert!(!apart.has_paid());
+    }
+
+    #[test]
+    fn patience_grows_and_is_given_back() {
+        let mut patience = Patience::default();
+        let mut tried = 0;
+        for _ in 0..1000 {
+            if patience.tries() {
+                tried += 1;
+                patience.note(false);
+            }
+        }
+        assert!((30..60).contains(&tried), "{tried}");
+        patience = Patience::default();
+        assert!((0..10).all(|_| patience.tries()));
+    }
+}

@@ -1,0 +1,113 @@
+//! A tile's way through the tree: nearest boxes first, without recursion or allocation.
+
+use super::packet::{Leaf, Planes};
+use super::{PACKETS, Tile};
+use crate::bvh::Bvh;
+use crate::bvh::leaves::Leaves;
+use crate::bvh::link::Link;
+use crate::bvh::trace::STACK;
+use crate::leaf::Collector;
+use crate::mem::{Slots, Stack};
+use crate::simd::{Eight, Entered, Kernels};
+
+/// A child to be visited: where the beam enters its box, and which packets may meet it.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    t: f32,
+    node: u32,
+    lane: u8,
+    first: u8,
+    last: u8,
+}
+
+impl<E: Eight> Tile<E> {
+    /// Leads the tile through the tree.
+    #[inline(always)]
+    pub(super) fn walk<K: Kernels<Eight = E>, C: Collector, L: Leaves>(&mut self, tree: &Bvh<8, L>) {
+        let mut slots = Slots::<Entry, STACK>::new();
+        let mut stack = slots.stack();
+        let mut scratch = bytemuck::Zeroable::zeroed();
+        let mut t = Entered([0.0; 8]);
+        let root = Entry { t: f32::NEG_INFINITY, node: 0, lane: 0, first: 0, last: (self.count - 1) as u8 };
+        self.enter::<C, L>(tree, root, 0, &mut stack, &mut t);
+        while let Some(entry) = stack.pop() {
+            if entry.t > self.beam.end() {
+                continue;
+            }
+            let boxes = &tree.nodes[entry.node as usize];
+            let link = Link(boxes.links[usize::from(entry.lane) & 7]);
+            let planes = Planes::new(boxes, usize::from(entry.lane), self.class);
+            if link.is_leaf() {
+                let block = tree.leaves.corners::<K>(link.block(), &mut scratch);
+                let leaf = Leaf { block, wanted: link.lanes(), masks: tree.masks.as_deref() };
+                self.test::<C>(&leaf, &planes, entry);
+            } else if let Some(entry) = self.narrow(&planes, entry) {
+                self.effort.node();
+                self.enter::<C, L>(tree, entry, link.index(), &mut stack, &mut t);
+            }
+        }
+    }
+
+    /// The same for the packets from the first to the last that meet the box; nothing if there are none.
+    #[inline(always)]
+    fn narrow(&self, planes: &Planes<E>, mut entry: Entry) -> Option<Entry> {
+        while self.packets[usize::from(entry.first) & (PACKETS - 1)].meet(planes) == 0 {
+            if entry.first == entry.last {
+                return None;
+            }
+            entry.first += 1;
+        }
+        while entry.first < entry.last && self.packets[usize::from(entry.last) & (PACKETS - 1)].meet(planes) == 0 {
+            entry.last -= 1;
+        }
+        Some(entry)
+    }
+
+    /// Puts the children of a node on the stack that the beam meets: the nearest on top, or, where any hit will do, the first.
+    #[inline(always)]
+    fn enter<C: Collector, L: Leaves>(
+        &self,
+        tree: &Bvh<8, L>,
+        entry: Entry,
+        node: usize,
+        stack: &mut Stack<'_, Entry, STACK>,
+        t: &mut Entered<8>,
+    ) {
+        let mut met = self.beam.meet(&tree.nodes[node], t);
+        let bottom = stack.len();
+        while met != 0 {
+            let lane = if C::ANY { 7 - (met << 24).leading_zeros() } else { met.trailing_zeros() } & 7;
+            met &= !(1 << lane);
+            let child = Entry { t: t.0[lane as usize], node: node as u32, lane: lane as u8, ..entry };
+            if C::ANY {
+                stack.push(child);
+            } else {
+                stack.insert(bottom, child, |a, b| a.t < b.t);
+            }
+        }
+    }
+
+    /// Tests the rays that meet a leaf's box.
+    #[inline(always)]
+    fn test<C: Collector>(&mut self, leaf: &Leaf<'_>, planes: &Planes<E>, entry: Entry) {
+        let mut moved = false;
+        for packet in &mut self.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
+            let rays = packet.meet(planes);
+            self.effort.leaf(rays, leaf.wanted);
+            if rays != 0 {
+                moved |= if C::ANY {
+                    packet.test::<true>(leaf, rays, self.class)
+                } else {
+                    packet.test::<false>(leaf, rays, self.class)
+                };
+            }
+        }
+        if moved {
+            let mut ends = E::splat(f32::NEG_INFINITY);
+            for packet in &self.packets[..self.count] {
+                ends = ends.max(packet.end);
+            }
+            self.beam.end_at(ends);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Rays through one point: kd-trees in the perspective space of an eye, for cameras, scanners and lights.
+//!
+//! All rays of a camera, of a scanner's pose, or of the shadows of a point light meet in one point. Divided by the depth they are parallel:
+//! each is a place in a picture, and every triangle is a triangle there. A tree that is built in this space knows before which cells
+//! a ray lies without walking through others, what covers what, and, by its edge functions, which linear forms tell what is hit:
+//! ```text
+//! project   a triangle -> linear forms over (u, v), with margins                                     once, for each side it is seen from
+//! grow      a picture  -> cells, each with its triangles, nearest first; what is hidden is left out          (RDH with footprints)
+//! trace     a ray      -> its cell -> candidates -> THE triangle test, with the ray as it is
+//! tile      64 rays    -> the cells they meet, each triangle against eight rays at once
+//! ```
+//! The pictures are those of the six sides of a cube around the eye. What is found is what brute force finds, bit for bit: margins say
+//! where the forms decide, and elsewhere THE triangle test does. Rays that have nothing to do with the eye are answered by another
+//! structure.
+//!
+//! Related: Hunt and Mark, *Ray-Specialized Acceleration Structures for Ray Tracing* (2008), which builds grids in perspective space;
+//! Bittner and Havran (SCCG 2009) for counting rays; the footprint is ours.
+
+mod build;
+mod cell;
+mod check;
+mod face;
+mod grow;
+mod project;
+mod rays;
+mod shadow;
+mod side;
+mod spec;
+mod split;
+mod tile;
+mod towards;
+mod trace;
+mod viewer;
+mod walk;
+
+pub use spec::{EyeForm, EyeOptions};
+
+use face::Face;
+use side::Side;
+use towards::Passing;
+
+use crate::accel::Accel;
+use crate::geom::{Hit, Ray, Vec3};
+use crate::mem::Array;
+use crate::simd::Level;
+
+/// Trees around an eye, and a structure for all other rays.
+#[derive(Debug, Clone)]
+pub struct EyeTree {
+    eye: Vec3,
+    form: EyeForm,
+    passing: Passing,
+    /// None where no ray was sampled.
+    faces: [Option<Face>; Side::COUNT],
+    masks: Option<Array<u32>>,
+    world: Accel,
+    level: Level,
+    trained_on: usize,
+}
+
+/// What was built.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct EyeStats {
+    /// Sides with a tree.
+    pub sides: usize,
+    /// Interior nodes and leaves.
+    pub nodes: usize,
+    /// References from leaves to triangles.
+    pub references: usize,
+    /// Triangles that some leaf names, side by side.
+    pub triangles: usize,
+    /// Bytes of the trees, without the structure for all other rays.
+    pub bytes: usize,
+    /// Training rays they were built for.
+    pub trained_on: usize,
+}
+
+impl EyeTree {
+    /// The nearest hit of each ray, as [`Self::closest`] finds it; fast for rays from the eye of which each 64 in a row are neighbours.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays.
+    pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "a hit for each ray");
+        self.level.run(tile::Closest { tree: self, rays, hits });
+    }
+
+    /// [`Self::closest_many`] for rays that come in rows of `width`, as pictures and scanners have them: neighbours in both directions
+    /// walk together. The last row may be shorter.
+    ///
+    /// # Panics
+    /// If there are not as many hits as rays, or `width` is 0.
+    pub fn closest_rows(&self, rays: &[Ray], width: usize, hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "a hit for each ray");
+        assert!(width > 0, "a row has rays");
+        self.level.run(tile::InRows { tree: self, rays, width, hits });
+    }
+
+    /// Whether each ray hits anything, as [`Self::occluded`] says; fast for rays towards the eye of which each 64 in a row are neighbours.
+    ///
+    /// # Panics
+    /// If there are not as many answers as rays.
+    pub fn occluded_many(&self, rays: &[Ray], found: &mut [bool]) {
+        assert_eq!(rays.len(), found.len(), "an answer for each ray");
+        self.level.run(shadow::Occluded { tree: self, rays, found });
+    }
+
+    /// The eye.
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// The structure that answers all other rays.
+    pub fn world(&self) -> &Accel {
+        &self.world
+    }
+
+    /// What was built.
+    pub fn stats(&self) -> EyeStats {
+        let faces = self.faces.iter().flatten();
+        let sum = |count: fn(&Face) -> usize| faces.clone().map(count).sum();
+        EyeStats {
+            sides: faces.clone().count(),
+            nodes: sum(|f| 2 * f.pairs.len() + 1),
+            references: sum(|f| f.entries.len()),
+            triangles: sum(|f| f.sights.len()),
+            bytes: self.bytes(),
+            trained_on: self.trained_on,
+        }
+    }
+
+    /// The trees' arrays as a number: equal for equal trees.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        for face in self.faces.iter().flatten() {
+            hash.update(&[face.side.index() as u8]);
+            hash.update(bytemuck::bytes_of(&face.root));
+            hash.update(bytemuck::cast_slice(&face.pairs));
+            hash.update(bytemuck::cast_slice(&face.entries));
+            hash.update(bytemuck::cast_slice(&face.sights));
+        }
+        hash.digest()
+    }
+
+    /// Bytes of the trees, without the structure for all other rays.
+    fn bytes(&self) -> usize {
+        self.faces.iter().flatten().map(Face::bytes).sum()
+    }
+
+    /// The same, traced with other instructions: for tests and measurements. The answers are the same.
+    pub fn with_level(self, level: Level) -> Self {
+        Self { world: self.world.with_level(level), level, ..self }
+    }
+}

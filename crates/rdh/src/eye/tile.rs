@@ -1,0 +1,313 @@
+//! Many rays from the eye: 64 at a time walk the cells together.
+//!
+//! ```text
+//! a tile of 64 rays to one side, in eight octets
+//! for each leaf that the tile's box meets:
+//!     for each triangle in it, nearest first, until it is less near than what all rays have met:
+//!         for each octet whose box it meets: compare its forms with the eight rays             (Kernels::see)
+//! then, once a ray: THE triangle test of the one triangle that it surely hits first            (Kernels::meet_own)
+//! ```
+//! A ray for which the margins leave open what it hits first walks alone (`trace.rs`), as do those of tiles that are too wide.
+
+use super::EyeTree;
+use super::face::Face;
+use super::walk::{Leaves, WalkSlots};
+use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, Vec3, larger, smaller};
+use crate::simd::{Aims, Job, Kernels, Met, Octet, RAYS, Views, step_of};
+
+/// Octets of a tile.
+const OCTETS: usize = 8;
+/// Rays of a tile.
+pub(super) const TILE: usize = OCTETS * RAYS;
+
+/// All rays of a batch.
+pub(super) struct Closest<'a> {
+    pub(super) tree: &'a EyeTree,
+    pub(super) rays: &'a [Ray],
+    pub(super) hits: &'a mut [Option<Hit>],
+}
+
+impl Job for Closest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        let mut tile = Tile::NEW;
+        for (rays, hits) in self.rays.chunks(TILE).zip(self.hits.chunks_mut(TILE)) {
+            closest::<K>(self.tree, rays, hits, &mut tile);
+        }
+    }
+}
+
+/// All rays of a batch that comes in rows: blocks of eight rays of eight rows walk together.
+pub(super) struct InRows<'a> {
+    pub(super) tree: &'a EyeTree,
+    pub(super) rays: &'a [Ray],
+    pub(super) width: usize,
+    pub(super) hits: &'a mut [Option<Hit>],
+}
+
+impl Job for InRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        let (mut tile, mut order) = (Tile::NEW, [0; TILE]);
+        let (mut block, mut found) = ([Ray::new([0.0; 3], [0.0; 3]); TILE], [None; TILE]);
+        // What is left of a batch may be a part of a row.
+        let rows = self.rays.len().div_ceil(self.width);
+        for row in (0..rows).step_by(RAYS) {
+            for column in (0..self.width).step_by(RAYS) {
+                let mut len = 0;
+                for y in row..(row + RAYS).min(rows) {
+                    let start = y * self.width;
+                    for i in start + column..(start + (column + RAYS).min(self.width)).min(self.rays.len()) {
+                        (block[len], order[len]) = (self.rays[i], i);
+                        len += 1;
+                    }
+                }
+                if len > 0 {
+                    closest::<K>(self.tree, &block[..len], &mut found[..len], &mut tile);
+                }
+                for (hit, &i) in found[..len].iter().zip(&order) {
+                    self.hits[i] = *hit;
+                }
+            }
+        }
+    }
+}
+
+/// Rays to one side.
+struct Tile {
+    aims: [Aims; OCTETS],
+    octets: [Octet; OCTETS],
+    views: Views,
+    /// Which of the chunk's rays each is.
+    order: [u8; TILE],
+    /// How many there are; the rest of the last octet repeats the last one.
+    len: usize,
+    low: [f32; 2],
+    high: [f32; 2],
+}
+
+const NO_AIMS: Aims = Aims {
+    shear: [[0.0; RAYS]; 2],
+    direction_z: [1.0; RAYS],
+    t_min: [0.0; RAYS],
+    t_max: [0.0; RAYS],
+    side: [Aims::STRAY; RAYS],
+};
+
+impl Tile {
+    const NEW: Self = Self {
+        aims: [NO_AIMS; OCTETS],
+        octets: [Octet::NEW; OCTETS],
+        views: Views::NONE,
+        order: [0; TILE],
+        len: 0,
+        low: [0.0; 2],
+        high: [0.0; 2],
+    };
+}
+
+/// The hits of up to 64 rays.
+#[inline(always)]
+fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
+    let octets = rays.len().div_ceil(RAYS);
+    for (aims, rays) in tile.aims.iter_mut().zip(rays.chunks(RAYS)) {
+        match rays.first_chunk::<RAYS>() {
+            Some(eight) => K::aim(eight, &tree.eye, aims),
+            None => {
+                let mut eight = [rays[rays.len() - 1]; RAYS];
+                eight[..rays.len()].copy_from_slice(rays);
+                K::aim(&eight, &tree.eye, aims);
+            }
+        }
+    }
+    let side = tile.aims[0].side[0];
+    let mut others = 0;
+    for aims in &tile.aims[..octets] {
+        for i in 0..RAYS {
+            others |= aims.side[i] ^ side;
+        }
+    }
+    if others == 0 && side != Aims::STRAY {
+        tile.len = rays.len();
+        for (i, place) in tile.order.iter_mut().enumerate() {
+            *place = i as u8;
+        }
+        return one_side::<K>(tree, side, rays, hits, tile);
+    }
+    let all = tile.aims;
+    for side in 0..=Aims::STRAY {
+        gather(&all, rays.len(), side, tile);
+        if tile.len > 0 && side != Aims::STRAY {
+            one_side::<K>(tree, side, rays, hits, tile);
+        } else {
+            alone(tree, rays, hits, tile);
+        }
+    }
+}
+
+/// The rays of one side, side by side.
+fn gather(all: &[Aims; OCTETS], len: usize, side: u32, tile: &mut Tile) {
+    tile.len = 0;
+    for i in 0..len {
+        let (aims, lane) = (&all[i / RAYS], i % RAYS);
+        if aims.side[lane] == side {
+            put(tile, tile.len, aims, lane);
+            tile.order[tile.len] = i as u8;
+            tile.len += 1;
+        }
+    }
+    if tile.len > 0 {
+        let (last, lane) = (tile.aims[(tile.len - 1) / RAYS], (tile.len - 1) % RAYS);
+        for i in tile.len..tile.len.next_multiple_of(RAYS) {
+            put(tile, i, &last, lane);
+        }
+    }
+}
+
+fn put(tile: &mut Tile, i: usize, aims: &Aims, lane: usize) {
+    let (to, at) = (&mut tile.aims[i / RAYS], i % RAYS);
+    (to.shear[0][at], to.shear[1][at]) = (aims.shear[0][lane], aims.shear[1][lane]);
+    (to.direction_z[at], to.t_min[at], to.t_max[at]) = (aims.direction_z[lane], aims.t_min[lane], aims.t_max[lane]);
+}
+
+/// Rays that walk alone.
+#[inline(never)]
+fn alone(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &Tile) {
+    for &i in &tile.order[..tile.len] {
+        hits[i as usize] = tree.closest(&rays[i as usize]);
+    }
+}
+
+/// The hits of rays to one side.
+#[inline(always)]
+fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
+    let Some(face) = &tree.faces[side as usize] else { return alone(tree, rays, hits, tile) };
+    frame(tile);
+    if !face.takes(tile.low, tile.high) || !tree.drops_hidden() {
+        return alone(tree, rays, hits, tile);
+    }
+    walk::<K>(face, tile);
+    let eye = face.side.along(&tree.eye);
+    let (aims, octets) = (&tile.aims, &tile.octets);
+    let mut met = Met { t: [0.0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS], hits: 0 };
+    for (i, order) in tile.order[..tile.len].chunks(RAYS).enumerate() {
+        finish::<K>(tree, face, (&aims[i], &octets[i]), &eye, order, (rays, hits), &mut met);
+    }
+}
+
+/// The boxes of a tile and its octets.
+#[inline(always)]
+fn frame(tile: &mut Tile) {
+    let octets = tile.len.div_ceil(RAYS);
+    tile.views = Views::NONE;
+    (tile.low, tile.high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+    for i in 0..octets {
+        let aims = &tile.aims[i];
+        tile.octets[i] = Octet { u: aims.shear[0], v: aims.shear[1], ..Octet::NEW };
+        tile.views.least[i] = f32::MIN;
+        for a in 0..2 {
+            let (low, high) = ends(&aims.shear[a]);
+            tile.views.low[a][i] = step_of(low);
+            tile.views.high[a][i] = step_of(high);
+            tile.low[a] = smaller(low, tile.low[a]);
+            tile.high[a] = larger(high, tile.high[a]);
+        }
+    }
+}
+
+/// The smallest and the largest of eight numbers.
+#[inline(always)]
+fn ends(x: &[f32; RAYS]) -> (f32, f32) {
+    // By halves, as vectors do it.
+    let (mut low, mut high) = (*x, *x);
+    for half in [4, 2, 1] {
+        for i in 0..half {
+            low[i] = smaller(low[i], low[i + half]);
+            high[i] = larger(high[i], high[i + half]);
+        }
+    }
+    (low[0], high[0])
+}
+
+/// Compares a tile's rays with all triangles that may be the first for any of them.
+#[inline(always)]
+fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
+    let mut slots = WalkSlots::new();
+    let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
+    let mut least = f32::NEG_INFINITY;
+    while let Some(entries) = leaves.next() {
+        for entry in entries {
+            if entry.near < least {
+                break;
+            }
+            let mut seen = K::in_view(entry, &tile.views);
+            let mut changed = false;
+            while seen != 0 {
+                let i = seen.trailing_zeros() as usize & (OCTETS - 1);
+                seen &= seen - 1;
+                let octet = &mut tile.octets[i];
+                if K::see(&face.sights[entry.sight as usize], entry.sight, octet) {
+                    tile.views.least[i] = ends(&octet.least).0;
+                    changed = true;
+                }
+            }
+            if changed {
+                least = ends(&tile.views.least).0;
+            }
+        }
+    }
+}
+
+/// The hits of an octet.
+#[inline(always)]
+fn finish<K: Kernels>(
+    tree: &EyeTree,
+    face: &Face,
+    (aims, octet): (&Aims, &Octet),
+    eye: &Vec3,
+    order: &[u8],
+    (rays, hits): (&[Ray], &mut [Option<Hit>]),
+    met: &mut Met,
+) {
+    let Some(any) = face.corners.first() else {
+        order.iter().for_each(|&i| hits[i as usize] = None);
+        return;
+    };
+    let mut corners = [any; RAYS];
+    for (corners, &best) in corners.iter_mut().zip(&octet.best) {
+        *corners = face.corners.get(best as usize).unwrap_or(any);
+    }
+    K::meet_own(aims, eye, &corners, met);
+    for (lane, &i) in order.iter().enumerate() {
+        let (bit, best) = (1 << lane, octet.best[lane]);
+        hits[i as usize] = if octet.unsure & bit != 0 {
+            unsure(tree, face, &rays[i as usize])
+        } else if met.hits & bit != 0 && best != Octet::NONE {
+            let (t, u, v) = (met.t[lane], met.u[lane], met.v[lane]);
+            let tri = TriId(corners[lane][0][3].to_bits());
+            Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
+        } else if best == Octet::NONE {
+            None
+        } else {
+            beyond(tree, &rays[i as usize])
+        };
+    }
+}
+
+/// A ray of which the margins don't tell what it hits first.
+#[inline(never)]
+fn unsure(tree: &EyeTree, face: &Face, ray: &Ray) -> Option<Hit> {
+    tree.closest_in(face, &RayFrame::new(ray), ray)
+}
+
+/// A ray that does not hit within its interval what it meets first.
+#[cold]
+#[inline(never)]
+fn beyond(tree: &EyeTree, ray: &Ray) -> Option<Hit> {
+    // If it ends before that, it hits nothing; if it starts behind that, what it hits may be hidden.
+    if ray.t_min > 0.0 || ray.t_max == f32::INFINITY { tree.world.closest(ray) } else { None }
+}

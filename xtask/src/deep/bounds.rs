@@ -1,0 +1,13 @@
+//! How long builders work between two questions whether to stop.
+
+use std::process::Command;
+
+use anyhow::Result;
+
+use super::{Arguments, Outcome, outcome};
+
+pub(super) fn run(_: &Arguments) -> Result<Outcome> {
+    let mut command = Command::new("cargo");
+    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", "cancel"]);
+    outcome(&mut command, &["in all:"])
+}

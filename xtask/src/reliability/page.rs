@@ -1,0 +1,226 @@
+//! The page: a table of promises, then what rays were cast at closed meshes, and what other libraries miss of them.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use super::promises::{PROMISES, Promise};
+use super::read;
+
+/// What is known of a check: how much, what came of it, when and where.
+struct Known {
+    count: String,
+    result: String,
+    failed: bool,
+    when: String,
+}
+
+pub(super) struct Page {
+    known: BTreeMap<&'static str, Known>,
+    /// What `soak` found out, in full; with brute force, if it was not run without.
+    soak: Option<Value>,
+    /// What other libraries missed, of the run that asked them last.
+    others: Option<Value>,
+}
+
+impl Page {
+    /// From what is kept in a folder.
+    pub(super) fn of(folder: &Path) -> Result<Self> {
+        let mut known = BTreeMap::new();
+        for check in PROMISES.iter().map(|promise| promise.check) {
+            if let Some(record) = read(&folder.join(format!("{check}.record.json")))? {
+                known
+                    .insert(check, Known::of(&record).with_context(|| format!("{check}.record.json is not a record"))?);
+            }
+        }
+        let (soak, brute) = (read(&folder.join("soak.json"))?, read(&folder.join("brute.json"))?);
+        Ok(Self { known, soak: soak.or(brute), others: read(&folder.join("others.json"))? })
+    }
+
+    pub(super) fn is_clean(&self) -> bool {
+        self.known.values().all(|known| !known.failed)
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut out = String::from(HEAD);
+        for Promise { promise, check, command } in &PROMISES {
+            let row = match self.known.get(check) {
+                Some(Known { count, result, when, .. }) => format!("{count} | {result} | {when}"),
+                None => "| not run |".to_owned(),
+            };
+            out += &format!("| {promise} | `{command}` | {row} |\n");
+        }
+        if let Some(soak) = &self.soak {
+            out += "\n## Rays from inside closed meshes\n\n";
+            out += ABOUT_RAYS;
+            out += &structures(soak);
+            out += "\n";
+            out += &meshes(soak);
+        }
+        out += &self.others.as_ref().map(others).unwrap_or_default();
+        out
+    }
+}
+
+impl Known {
+    fn of(record: &Value) -> Option<Self> {
+        let text = |key: &str| record[key].as_str();
+        let (word, why) = (text("result")?, text("why")?);
+        let result = match word {
+            "fine" => "nothing found".to_owned(),
+            _ => format!("{word}: {why}"),
+        };
+        let when = format!("{}, {}", text("date")?, text("machine")?);
+        Some(Self { count: text("count")?.to_owned(), result, failed: word == "failed", when })
+    }
+}
+
+const HEAD: &str = "\
+<!-- Made by `cargo xtask reliability`; not to be changed by hand. -->
+# Reliability
+
+What is promised, how it is tested, and what came of it. Why no ray is lost is in [watertight.md](watertight.md), what files may do in \
+[SECURITY.md](../SECURITY.md).
+
+| promise | test | how much | result | when, where |
+|---|---|---|---|---|
+";
+
+const ABOUT_RAYS: &str = "\
+Every ray starts inside and clear of the surface, so each must hit something, and meet an odd number of crossings. They are aimed at \
+vertices, at edges, beside vertices by a step of the last bit, along axes with zeros of both signs, in split planes and faces of boxes, \
+and anywhere; directions have length 1, the distance, or up to 2^±20 of it. A cast is a ray through one structure, by one query: nearest, \
+any, and for an eighth of the rays all hits. All structures must give the same bits.
+
+";
+
+/// Casts of each structure by aim; missed and different are of all.
+fn structures(soak: &Value) -> String {
+    let names = |key: &str| -> Vec<&str> { list(&soak[key]).iter().filter_map(Value::as_str).collect() };
+    let aims = names("aims");
+    let mut out =
+        format!("| casts | {} | missed | different |\n|---|{}---|---|\n", aims.join(" | "), "---|".repeat(aims.len()));
+    for (spec, cells) in names("specs").iter().zip(list(&soak["total"]["by_structure"])) {
+        let sum = |which: usize| list(cells).iter().filter_map(|cell| cell[which].as_u64()).sum::<u64>();
+        let casts: String = list(cells).iter().map(|cell| format!(" {} |", millions(&cell[0]))).collect();
+        writeln!(out, "| `{spec}` |{casts} {} | {} |", sum(1), sum(2)).ok();
+    }
+    let levels = names("levels");
+    let of_levels = levels
+        .iter()
+        .zip(list(&soak["total"]["by_level"]))
+        .map(|(level, casts)| format!("{} by {level}", millions(casts)));
+    let of_levels = of_levels.collect::<Vec<_>>().join(", ");
+    writeln!(out, "\n{} different rays; casts: {of_levels}.", millions(&soak["total"]["rays"])).ok();
+    out
+}
+
+fn meshes(soak: &Value) -> String {
+    let mut out = String::from("| mesh | triangles | casts | missed |\n|---|---|---|---|\n");
+    for mesh in list(&soak["meshes"]) {
+        writeln!(out, "| {} | {} | {} | {} |", word(&mesh[0]), mesh[1], millions(&mesh[2]), mesh[3]).ok();
+    }
+    out
+}
+
+/// What others miss, in percent: a row an engine and mesh, a column an aim.
+fn others(found: &Value) -> String {
+    let all = list(&found["others"]);
+    let aims: Vec<&str> = list(&found["aims"]).iter().filter_map(Value::as_str).collect();
+    let mut out = format!(
+        "\n## What other libraries miss of such rays\n\n{ABOUT_OTHERS}\n| library | mesh | {} |\n",
+        aims.join(" | ")
+    );
+    writeln!(out, "|---|---|{}", "---|".repeat(aims.len())).ok();
+    for row in all.chunk_by(|a, b| a["engine"] == b["engine"] && a["mesh"] == b["mesh"]) {
+        let cell = |aim: &&str| row.iter().find(|other| other["aim"] == **aim).map_or("–".to_owned(), percent);
+        let cells = aims.iter().map(cell).collect::<Vec<_>>().join(" | ");
+        writeln!(out, "| {} | {} | {cells} |", word(&row[0]["engine"]), word(&row[0]["mesh"])).ok();
+    }
+    out
+}
+
+const ABOUT_OTHERS: &str = "\
+The nearest hit is asked for, ray by ray, through the programs of `engines/`; each ray should find one. Of our structures none misses any \
+(above). Not all of them promise it: only Embree's robust mode claims to be watertight.
+";
+
+fn percent(other: &Value) -> String {
+    match (other["missed"].as_u64(), other["rays"].as_f64()) {
+        (Some(0), Some(rays)) => format!("0 of {}", grouped(rays as u64)),
+        (Some(missed), Some(rays)) => format!("{:.3} %", 100.0 * missed as f64 / rays),
+        _ => "–".to_owned(),
+    }
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn word(value: &Value) -> &str {
+    value.as_str().unwrap_or_default()
+}
+
+/// A count in millions, or whole if it is small.
+fn millions(count: &Value) -> String {
+    match count.as_u64() {
+        Some(n) if n >= 1_000_000 => format!("{:.1} M", n as f64 / 1e6),
+        Some(n) => grouped(n),
+        None => "–".to_owned(),
+    }
+}
+
+/// With a comma between thousands.
+pub(crate) fn grouped(n: u64) -> String {
+    match n {
+        0..1000 => n.to_string(),
+        _ => format!("{},{:03}", grouped(n / 1000), n % 1000),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn the_page_says_what_is_kept_and_what_was_not_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let keep = |name: &str, value: Value| std::fs::write(folder.path().join(name), value.to_string()).unwrap();
+        let record = |check: &str, result: &str| {
+            let why = if result == "fine" { "" } else { "it broke" };
+            json!({ "check": check, "count": "7 things", "result": result, "why": why, "date": "2026-01-31", "machine": "this" })
+        };
+        keep("fuzz.record.json", record("fuzz", "fine"));
+        assert!(Page::of(folder.path()).unwrap().is_clean());
+        keep("builds.record.json", record("builds", "failed"));
+        keep(
+            "soak.json",
+            json!({
+                "aims": ["vertex", "edge"], "specs": ["kd+sah"], "levels": ["portable"],
+                "total": { "rays": 2_500_000, "by_level": [1234], "by_structure": [[[5, 1, 0], [6, 1, 2]]] },
+                "meshes": [["box", 12, 3_000_000, 2]],
+            }),
+        );
+        let other = |aim: &str, missed: u64| json!({ "engine": "other", "mesh": "box", "aim": aim, "rays": 1000, "missed": missed });
+        keep("others.json", json!({ "aims": ["vertex", "edge"], "others": [other("vertex", 25), other("edge", 0)] }));
+        let page = Page::of(folder.path()).unwrap();
+        assert!(!page.is_clean());
+        let text = page.text();
+        for wanted in [
+            "| `cargo xtask fuzz` | 7 things | nothing found | 2026-01-31, this |",
+            "| 7 things | failed: it broke |",
+            "| not run |",
+            "| `kd+sah` | 5 | 6 | 2 | 2 |",
+            "2.5 M different rays; casts: 1,234 by portable.",
+            "| box | 12 | 3.0 M | 2 |",
+            "| other | box | 2.500 % | 0 of 1,000 |",
+        ] {
+            assert!(text.contains(wanted), "{wanted} in\n{text}");
+        }
+    }
+}

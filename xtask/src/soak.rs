@@ -1,0 +1,79 @@
+//! `cargo xtask soak`: rays without end from inside closed meshes, and what comes of it kept for the page of `cargo xtask reliability`.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use crate::reliability::{self, Verdict, grouped, keep};
+
+/// Cast rays from inside closed meshes through every structure: a miss, or two answers, is a failure.
+///
+/// A ray counts once for each structure and query. The same number and seed cast the same rays on any number of threads.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// How many rays, 1e9 for instance
+    #[arg(long, default_value = "1e7")]
+    rays: String,
+    /// Other seeds make other rays
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Small meshes, of which brute force says what is right
+    #[arg(long)]
+    brute: bool,
+    /// A folder of scenes, of which the closed ones are cast at as well [default: ../shared/scenes, if it is there]
+    #[arg(long, value_name = "DIR")]
+    scenes: Option<PathBuf>,
+    /// The folder of the competitors' programs, which get rays that are aimed alike (cargo xtask engines)
+    #[arg(long, value_name = "DIR")]
+    engines: Option<PathBuf>,
+    /// How many of each mesh and aim they get
+    #[arg(long, default_value_t = 100_000)]
+    engine_rays: usize,
+    /// Cargo's profile
+    #[arg(long, default_value = "release")]
+    profile: String,
+}
+
+/// Whether nothing was missed.
+pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
+    let root = crate::root();
+    let kept = reliability::folder()?.join(if arguments.brute { "brute.json" } else { "soak.json" });
+    // Nothing old may stand for a run that ends early.
+    std::fs::remove_file(&kept).ok();
+    let beside = root.join("../shared/scenes");
+    let scenes = arguments.scenes.clone().or_else(|| beside.join("scenes.toml").is_file().then_some(beside));
+    let mut command = Command::new("cargo");
+    command.args(["run", "--quiet", "--profile", &arguments.profile, "-p", "rdh-study", "--example", "soak", "--"]);
+    command.args(["--rays", &arguments.rays, "--seed", &arguments.seed.to_string()]).arg("--json").arg(&kept);
+    if arguments.brute {
+        command.arg("--brute");
+    } else if let Some(scenes) = scenes {
+        command.arg("--scenes").arg(scenes);
+    }
+    if let Some(engines) = &arguments.engines {
+        command.arg("--engines").arg(engines).args(["--engine-rays", &arguments.engine_rays.to_string()]);
+    }
+    let fine = command.current_dir(root).status().context("cargo")?.success();
+    keep_record(arguments, &kept, fine)?;
+    if arguments.engines.is_some() {
+        std::fs::copy(&kept, reliability::folder()?.join("others.json"))?;
+    }
+    Ok(fine)
+}
+
+/// What the page says in its table.
+fn keep_record(arguments: &Arguments, kept: &Path, fine: bool) -> Result<()> {
+    let check = if arguments.brute { "brute" } else { "soak" };
+    let text = std::fs::read_to_string(kept).with_context(|| format!("{}: nothing was found out", kept.display()))?;
+    let found: Value = serde_json::from_str(&text)?;
+    let number = |key: &str| found["total"][key].as_u64().unwrap_or_default();
+    let meshes = found["meshes"].as_array().map_or(0, Vec::len);
+    let structures = found["specs"].as_array().map_or(0, Vec::len);
+    let (casts, rays) = (grouped(number("casts")), grouped(number("rays")));
+    let count =
+        format!("{casts} casts of {rays} rays in {meshes} meshes, {structures} structures, seed {}", arguments.seed);
+    let why = format!("{} missed, {} different", number("misses"), number("different"));
+    keep(check, &count, &if fine { Verdict::Fine } else { Verdict::Failed(&why) })
+}
