@@ -57,7 +57,7 @@ fn an_engine_with_right_answers_is_compared() {
     let keys: Vec<_> = document.summary.iter().map(|s| (s.column, s.spec.as_str(), s.base.as_str(), s.n)).collect();
     let [rows, bounce] = [Column::Rows, Column::Bounce];
     let ours = ["bvh8+sah", "kd+sah", "batch(bvh8+sah)"];
-    let all = [rows, bounce].iter().flat_map(|&column| ours.map(|spec| (column, spec, "good", 1)));
+    let all = [rows, bounce].into_iter().flat_map(|column| ours.map(|spec| (column, spec, "good", 1)));
     assert_eq!(keys, all.collect::<Vec<_>>());
     let ours = document.rows.iter().find(|row| row.is_ours()).unwrap();
     let speedup = ours.mrays_per_sec / good[0].mrays_per_sec;

@@ -32,7 +32,7 @@ impl Viewer<'_> {
         if a == b || b == c || a == c {
             return None;
         }
-        let corners = self.mesh.corners(TriId(id)).map(|corner| self.from_eye(side, &corner));
+        let corners = self.mesh.corners(TriId(id)).map(|corner| self.relative(side, &corner));
         let Projected { sight, low, high } = project(&corners, id, &self.tolerance())?;
         let place = Cell { low, high };
         (place.meets(window) && window.may_see(&sight)).then_some((sight, place))
@@ -46,7 +46,7 @@ impl Viewer<'_> {
     }
 
     /// A corner relative to the eye, with the side in front.
-    fn from_eye(&self, side: Side, corner: &Vec3) -> Point {
+    fn relative(&self, side: Side, corner: &Vec3) -> Point {
         let (corner, eye) = (side.along(corner), side.along(&self.eye));
         let sign = if side.is_down() { -1.0 } else { 1.0 };
         match self.form {
