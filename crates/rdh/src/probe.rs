@@ -2,6 +2,9 @@
 
 /// Sees every step of a traversal. `()` sees nothing and costs nothing.
 pub trait Probe {
+    /// Whether it learns anything: where it does, speed matters less than the size of the code.
+    const COUNTS: bool = true;
+
     /// An interior node was visited.
     #[inline(always)]
     fn interior(&mut self) {}
@@ -10,7 +13,9 @@ pub trait Probe {
     fn leaf(&mut self, _triangles: u32) {}
 }
 
-impl Probe for () {}
+impl Probe for () {
+    const COUNTS: bool = false;
+}
 
 /// What a traversal did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

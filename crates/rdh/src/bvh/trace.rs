@@ -12,7 +12,7 @@ use crate::geom::Ray;
 use crate::leaf::{Collector, Tester};
 use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
-use crate::simd::{Block, Boxes, Entered, Job, Kernels, guessed};
+use crate::simd::{Block, Boxes, Entered, Job, Kernels, guessed_if};
 
 /// One ray's way through a tree.
 pub(crate) struct Walk<'a, P, C: Collector, L, const W: usize> {
@@ -132,7 +132,7 @@ pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize
         if !link.is_leaf() {
             probe.interior();
             let node = &nodes[link.index()];
-            let met = guessed(caster.meet(node, &mut t));
+            let met = guessed_if::<W>(caster.meet(node, &mut t), !P::COUNTS);
             if met != 0 {
                 let first = met.trailing_zeros() as usize & (W - 1);
                 let rest = met & (met - 1);

@@ -12,7 +12,7 @@ use crate::leaf::{Collector, Tester};
 use crate::mem::Slots;
 use crate::mesh::Mesh;
 use crate::probe::Probe;
-use crate::simd::{Block, Entered, Job, Kernels, LANES, guessed};
+use crate::simd::{Block, Entered, Job, Kernels, LANES};
 
 /// One ray's way.
 pub(super) struct Walk<'a, P, C: Collector> {
@@ -59,7 +59,7 @@ fn walk<K: Kernels, T: Caster<8>, P: Probe>(ground: &Ground, root: &Subtree, cas
         match subtree.get(ground) {
             Grown::Node(node) => {
                 probe.interior();
-                let mut met = guessed(caster.meet(&node.boxes, &mut t));
+                let mut met = caster.meet(&node.boxes, &mut t);
                 let bottom = stack.len();
                 while met != 0 {
                     // Any hit will do: the largest box lies on top, else the nearest.

@@ -9,7 +9,7 @@
 ///
 /// A constant of plain Rust would be merged back into the data that it came from; hence the assembly in `constant`.
 #[inline(always)]
-pub(crate) fn guessed(mask: u32) -> u32 {
+fn guessed(mask: u32) -> u32 {
     macro_rules! jump {
         ($($mask:literal)*) => {
             match mask as u8 {
@@ -36,6 +36,12 @@ pub(crate) fn guessed(mask: u32) -> u32 {
         224 225 226 227 228 229 230 231 232 233 234 235 236 237 238 239
         240 241 242 243 244 245 246 247 248 249 250 251 252 253 254
     }
+}
+
+/// [`guessed`] where it is worth the 3 KiB that its jump takes: in the walk that users run through nodes of eight.
+#[inline(always)]
+pub(crate) fn guessed_if<const W: usize>(mask: u32, matters: bool) -> u32 {
+    if W == 8 && matters { guessed(mask) } else { mask }
 }
 
 /// A constant that the compiler can't see through.

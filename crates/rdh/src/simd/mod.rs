@@ -38,7 +38,7 @@ pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use eight::{Eight, Hits};
 pub(crate) use four::Four;
-pub(crate) use guess::guessed;
+pub(crate) use guess::guessed_if;
 pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;
@@ -214,6 +214,9 @@ pub(crate) trait Kernels: Copy {
 
     /// Eight floats: what packets of rays are made of.
     type Eight: Eight;
+
+    /// Whether packets of rays pay: not where eight floats are a loop.
+    const PACKETS: bool = true;
 
     /// For each plane, how many values lie strictly below it; `planes` and `counts` have one length, a multiple of 8.
     fn count_below(values: &[f32], planes: &[f32], counts: &mut [u32]);

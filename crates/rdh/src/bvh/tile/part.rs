@@ -26,7 +26,7 @@ impl<C: Packed, L: Leaves> Job for Part<'_, C, L> {
     #[inline(always)]
     fn run<K: Kernels>(mut self) {
         let (extent, masks) = (Extent::of(&self.tree.bounds), self.tree.masks.is_some());
-        let has_tiles = self.tree.scale.factor() == 1.0;
+        let has_tiles = K::PACKETS && self.tree.scale.factor() == 1.0;
         let mut tile = Tile::<K::Eight>::empty();
         let mut others = Others { rays: [0; OTHERS], count: 0 };
         let mut windows = Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() };
