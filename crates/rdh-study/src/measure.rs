@@ -125,7 +125,7 @@ pub fn time_interleaved(accels: &[&Accel], batches: &[RayBatch], rounds: usize) 
 }
 
 /// CPU seconds of this thread for casting a batch the way users do.
-fn cast_secs(accel: &Accel, batch: &RayBatch) -> f64 {
+pub(crate) fn cast_secs(accel: &Accel, batch: &RayBatch) -> f64 {
     let (_, secs) = time_thread(|| match batch.query {
         Query::Occluded => {
             black_box(batch.rays.iter().filter(|ray| accel.occluded(ray)).count());

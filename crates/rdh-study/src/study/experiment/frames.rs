@@ -1,13 +1,12 @@
 //! Time to image, frame by frame: what knowing the rays costs, the build, and casting the frame's rays once.
 
-use std::hint::black_box;
-
 use rdh::{Accel, BuildOptions, Hit, Mesh, Query, RayClass, Recorder, Spec, Training};
 use rdh_scene::View;
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::clock::time_thread;
 use crate::integrate::{Mode, RayBatch, derived_seed};
+use crate::measure::cast_secs;
 use crate::plan::{Case, Plan, path_view};
 use crate::rows::Row;
 use crate::run::Built;
@@ -237,19 +236,6 @@ impl Round<'_> {
         };
         Timed { built, build_secs: Vec::new(), cast_secs: vec![Vec::new(); batches] }
     }
-}
-
-/// As users cast them, through a structure that has seen none of them yet.
-fn cast_secs(accel: &Accel, batch: &RayBatch) -> f64 {
-    let (_, secs) = time_thread(|| match batch.query {
-        Query::Occluded => {
-            black_box(batch.rays.iter().filter(|ray| accel.occluded(ray)).count());
-        }
-        Query::Closest | Query::All => {
-            black_box(batch.rays.iter().filter_map(|ray| accel.closest(ray)).map(|hit| hit.t).sum::<f32>());
-        }
-    });
-    secs
 }
 
 /// Rows of all structures, and of what `auto` would have chosen by the frames before: beside the base, and beside the quick ones.
