@@ -44,8 +44,8 @@ fn leaky() -> Closed {
 
 #[test]
 fn what_escapes_is_counted_and_shown() {
-    let tally = soak(&leaky(), 0, 400_000, &plan("kd+sah,bvh8+sah", 0, false)).expect("it builds");
-    assert!(tally.misses > 20 && tally.different == 0 && !tally.is_clean(), "{tally:?}");
+    let tally = soak(&leaky(), 0, 1_200_000, &plan("kd+sah,bvh8+sah", 0, false)).expect("it builds");
+    assert!(tally.misses > 50 && tally.different == 0 && !tally.is_clean(), "{tally:?}");
     assert!(tally.faults.len() > 5 && tally.faults[0].contains("icosphere, kd+sah, "), "{:?}", tally.faults.first());
     let anywhere = tally.by_structure[0][Aim::Anywhere as usize];
     assert!(anywhere[1] > 0 && anywhere[1] < anywhere[0] / 20, "{anywhere:?}");
