@@ -85,10 +85,12 @@ impl Wanted {
         let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
         let (world, build) = time_thread(|| rdh::build(stage.mesh(), &spec, &Training::none(), &options));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| text(&e))?;
-        let mut drive = Drive { world: world.map_err(|e| text(&e))?, options, turns: self.turns, spent: Spent::default() };
+        let mut drive =
+            Drive { world: world.map_err(|e| text(&e))?, options, turns: self.turns, spent: Spent::default() };
         let mut choice = drive.choice(stage.mesh().len());
         for pose in 0..self.poses {
-            let view = along(views, pose as f64 / self.poses.max(2).saturating_sub(1) as f64).ok_or("a scene without views")?;
+            let view = along(views, pose as f64 / self.poses.max(2).saturating_sub(1) as f64)
+                .ok_or("a scene without views")?;
             let rays = turn(&stage, &view);
             pool.install(|| drive.pose(pose, &rays, &mut choice)).map_err(|e| text(&e))?;
         }
@@ -201,12 +203,15 @@ impl Spent {
             self.rays,
             1e3 * build
         );
-        println!("| | build, ms a pose | cast, ns a ray | all poses, s | beside batches | even at, million rays a pose |");
+        println!(
+            "| | build, ms a pose | cast, ns a ray | all poses, s | beside batches | even at, million rays a pose |"
+        );
         println!("|---|---|---|---|---|---|");
         let nanos = |which: usize| 1e9 * total(&self.cast[which]) / self.rays as f64;
         let all = |which: usize| build + total(&self.build[which]) + total(&self.cast[which]);
         for (which, name) in NAMES.iter().enumerate() {
-            let ratios: Vec<f64> = self.cast[which].iter().zip(&self.build[which]).map(|(cast, build)| cast + build).collect();
+            let ratios: Vec<f64> =
+                self.cast[which].iter().zip(&self.build[which]).map(|(cast, build)| cast + build).collect();
             let beside: Vec<f64> = ratios.iter().zip(&self.cast[1]).map(|(own, base)| own / base).collect();
             let own = total(&self.build[which]) / poses as f64;
             let gained = nanos(1) - nanos(which);

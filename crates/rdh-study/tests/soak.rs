@@ -3,9 +3,7 @@
 use rdh::simd::Level;
 use rdh::{Mesh, Spec};
 use rdh_study::identical::FAMILIES;
-use rdh_study::soak::{
-    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, large_mesh, soak, soak_batches,
-};
+use rdh_study::soak::{Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, large_mesh, soak, soak_batches};
 
 fn plan(specs: &str, casts: u64, brute: bool) -> Plan {
     let mut specs = Spec::list(specs).expect(specs);

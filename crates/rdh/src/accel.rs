@@ -110,7 +110,9 @@ pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOp
     let structure = match options.threads {
         None | Some(1) => build_structure(mesh, &spec, rays, options)?,
         // Those who share the work out further do it in this pool.
-        Some(threads) => in_pool(threads, || build_structure(mesh, &spec, rays, &BuildOptions { threads: None, ..*options }))?,
+        Some(threads) => {
+            in_pool(threads, || build_structure(mesh, &spec, rays, &BuildOptions { threads: None, ..*options }))?
+        }
     };
     Ok(Accel::of(structure, mesh.clone(), spec, trained_on))
 }
@@ -175,7 +177,9 @@ pub(crate) fn unknown_form(spec: &Spec) -> Error {
 /// For a structure that is never finished, and for one that is soon built anew.
 pub(crate) fn unsaved(spec: &Spec) -> Error {
     let reason = match spec.structure {
-        StructureSpec::Eye(_) => "trees around a point are not saved: save the structure for all other rays, and build them again",
+        StructureSpec::Eye(_) => {
+            "trees around a point are not saved: save the structure for all other rays, and build them again"
+        }
         _ => "what grows where rays come is not saved: build it again, or save one without 'lazy'",
     };
     Error::Spec { spec: spec.to_string(), reason: reason.to_owned() }

@@ -134,7 +134,9 @@ impl Cast<'_> {
                     let (name, form) = (&self.closed.name, form.name());
                     let (found, expected) = (&hits[i], &alone[i]);
                     let answer = format!("{found:?} and {}, expected {expected:?}", occluded[i]);
-                    batches.faults.push(format!("{name}, {form}, structure {which}, {i}: {answer}; ray {}", ray_bits(ray)));
+                    batches
+                        .faults
+                        .push(format!("{name}, {form}, structure {which}, {i}: {answer}; ray {}", ray_bits(ray)));
                 }
             }
         }

@@ -72,8 +72,8 @@ fn unplaced(eye: EyeSpec) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rays::{Query, RayClass, RaySample};
     use crate::Ray;
+    use crate::rays::{Query, RayClass, RaySample};
 
     fn from(origin: Vec3, weight: u32) -> RaySample {
         let ray = Ray::new(origin, [1.0, 2.0, 3.0]);

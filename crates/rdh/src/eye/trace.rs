@@ -64,13 +64,7 @@ impl EyeTree {
     }
 
     /// The nearest hit of a ray from the eye.
-    pub(super) fn closest_in<P: Probe>(
-        &self,
-        face: &Face,
-        frame: &RayFrame,
-        ray: &Ray,
-        probe: &mut P,
-    ) -> Option<Hit> {
+    pub(super) fn closest_in<P: Probe>(&self, face: &Face, frame: &RayFrame, ray: &Ray, probe: &mut P) -> Option<Hit> {
         // What is hidden is not there: a ray that starts behind what hides it finds out by hitting that.
         let from_eye = RayFrame { t_min: if self.drops_hidden() { 0.0 } else { ray.t_min }, ..as_given(frame) };
         let [u, v] = frame.shear;

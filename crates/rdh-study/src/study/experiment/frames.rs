@@ -181,10 +181,8 @@ fn directions(batch: &RayBatch) -> Training {
     let every = batch.rays.len().div_ceil(PROFILE).max(1);
     // Not in step with rows.
     let picked = (0..batch.rays.len() / every).map(|i| &batch.rays[i * every + i * 7 % every]);
-    let sample = |ray: &Ray| RaySample {
-        weight: every as u32,
-        ..RaySample::new(*ray, None, Query::Closest, batch.class)
-    };
+    let sample =
+        |ray: &Ray| RaySample { weight: every as u32, ..RaySample::new(*ray, None, Query::Closest, batch.class) };
     Training::from_samples(picked.map(sample).collect())
 }
 
