@@ -1,14 +1,15 @@
 //! Casts rays from inside closed meshes until so many are cast; a miss, or another answer than the first structure's, is a failure:
 //! `cargo run --release -p rdh-study --example soak -- [--rays 1e9] [--seed N] [--brute] [--specs LIST] [--scenes DIR] [--json FILE]
-//! [--engines DIR [--engine-rays N]]`
+//! [--engines DIR [--engine-rays N]] [--minutes N]`
 //!
-//! A ray counts once for each structure and query. With `--brute` the meshes are small, and brute force says what is right. With
+//! A ray counts once for each structure and query. With `--brute` the meshes are small, and brute force says what is right. After
+//! `--minutes` it ends with fewer rays: each mesh gets its share of what time is left. The file is written after every mesh. With
 //! `--scenes` those scenes of a folder that are closed are cast at as well. With `--engines` the competitors whose programs are in the
 //! folder (engines/README.md) get rays that are aimed alike. `cargo xtask soak` runs it.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rdh::Spec;
 use rdh::simd::Level;
@@ -35,6 +36,7 @@ struct Wanted {
     json: Option<PathBuf>,
     engines: Option<PathBuf>,
     engine_rays: usize,
+    time: Option<Duration>,
 }
 
 /// Larger scenes are not looked at: the structures of all kinds would take minutes to build.
@@ -46,7 +48,7 @@ impl Wanted {
         let mut plan = Plan { specs: list(FAMILIES)?, casts: 10_000_000, seed: 1, brute: false };
         // What it chooses is one of the others, and choosing takes as long as building them all.
         plan.specs.retain(|spec| *spec != Spec::AUTO);
-        let mut wanted = Self { plan, scenes: None, json: None, engines: None, engine_rays: 100_000 };
+        let mut wanted = Self { plan, scenes: None, json: None, engines: None, engine_rays: 100_000, time: None };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
             match &argument[..] {
@@ -57,6 +59,7 @@ impl Wanted {
                 "--scenes" => wanted.scenes = Some(value()?.into()),
                 "--json" => wanted.json = Some(value()?.into()),
                 "--engines" => wanted.engines = Some(value()?.into()),
+                "--minutes" => wanted.time = Some(Duration::from_secs(60 * number(&value()?)?)),
                 "--engine-rays" => wanted.engine_rays = number(&value()?)? as usize,
                 other => return Err(format!("{other} is unknown")),
             }
@@ -72,7 +75,9 @@ impl Wanted {
         for (i, closed) in meshes.iter().enumerate() {
             // What smaller shares have overshot is taken from those to come.
             let share = self.plan.casts.saturating_sub(total.casts) / (meshes.len() - i) as u64;
-            let tally = soak(closed, i, share, &self.plan).map_err(|e| format!("{}: {e}", closed.name))?;
+            let until =
+                self.time.map(|time| Instant::now() + time.saturating_sub(start.elapsed()) / (meshes.len() - i) as u32);
+            let tally = soak(closed, i, share, until, &self.plan).map_err(|e| format!("{}: {e}", closed.name))?;
             by_mesh.push((closed, tally.clone()));
             total = total.plus(tally);
             let (rays, casts) = (total.rays, total.casts);
@@ -85,24 +90,28 @@ impl Wanted {
                 total.different,
                 start.elapsed().as_secs_f64()
             );
+            self.write(&total, &by_mesh, &[])?;
         }
         self.print(&total, &by_mesh);
         let others = self.others(&meshes)?;
         print_others(&others);
-        if let Some(path) = &self.json {
-            let meshes = by_mesh
-                .iter()
-                .map(|(closed, tally)| json!([closed.name, closed.mesh.len(), tally.casts, tally.misses]));
-            let document = json!({
-                "seed": self.plan.seed, "brute": self.plan.brute, "total": total,
-                "specs": self.plan.specs.iter().map(Spec::to_string).collect::<Vec<_>>(),
-                "aims": Aim::ALL.map(Aim::name),
-                "levels": Level::available().iter().map(|level| level.name()).collect::<Vec<_>>(),
-                "meshes": meshes.collect::<Vec<_>>(), "others": others,
-            });
-            std::fs::write(path, document.to_string()).map_err(|e| format!("{}: {e}", path.display()))?;
-        }
+        self.write(&total, &by_mesh, &others)?;
         Ok(total.is_clean())
+    }
+
+    /// What is known by now.
+    fn write(&self, total: &Tally, by_mesh: &[(&Closed, Tally)], others: &[Other]) -> Result<(), String> {
+        let Some(path) = &self.json else { return Ok(()) };
+        let meshes =
+            by_mesh.iter().map(|(closed, tally)| json!([closed.name, closed.mesh.len(), tally.casts, tally.misses]));
+        let document = json!({
+            "seed": self.plan.seed, "brute": self.plan.brute, "total": total,
+            "specs": self.plan.specs.iter().map(Spec::to_string).collect::<Vec<_>>(),
+            "aims": Aim::ALL.map(Aim::name),
+            "levels": Level::available().iter().map(|level| level.name()).collect::<Vec<_>>(),
+            "meshes": meshes.collect::<Vec<_>>(), "others": others,
+        });
+        std::fs::write(path, document.to_string()).map_err(|e| format!("{}: {e}", path.display()))
     }
 
     fn meshes(&self) -> Result<Vec<Closed>, String> {
