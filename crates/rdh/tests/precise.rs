@@ -150,7 +150,7 @@ fn hits_are_those_of_brute_force() {
                 for level in Level::available() {
                     let accel = built(&mesh, spec).with_level(level);
                     let (mut random, mut hits, mut hit) = (Random::new(9), Vec::new(), 0);
-                    for i in 0..200 {
+                    for i in 0..140 {
                         let away = [0.5, 1.5, 50.0, 3e5, 1e9][i % 5] * scale;
                         let off = point(&mut random);
                         let from = [0, 1, 2].map(|a| to[a] + off[a] * away);
@@ -162,7 +162,7 @@ fn hits_are_those_of_brute_force() {
                         }
                         hit += assert_same(&accel, &ray, &mut hits);
                     }
-                    assert!(hit > 80, "{spec}: only {hit} rays hit something at {to:?}");
+                    assert!(hit > 50, "{spec}: only {hit} rays hit something at {to:?}");
                 }
             }
         }
