@@ -129,11 +129,21 @@ fn is_sound(origin: [f64; 3], direction: [f64; 3]) -> bool {
 /// The direction with the length 1; zero and what is not finite stay what they are.
 #[inline]
 fn unit(direction: [f64; 3]) -> [f64; 3] {
+    let square = direction.iter().map(|x| x * x).sum::<f64>();
+    if (1e-200..1e200).contains(&square) {
+        let scale = 1.0 / square.sqrt();
+        return direction.map(|x| x * scale);
+    }
+    unit_of_any_size(direction)
+}
+
+/// Scaled first, so that no square is too small or too large.
+#[cold]
+fn unit_of_any_size(direction: [f64; 3]) -> [f64; 3] {
     let largest = direction.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
         return direction;
     }
-    // Scaled first, so that no square is too small or too large.
     let scaled = direction.map(|x| x / largest);
     let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
     scaled.map(|x| x / length)
