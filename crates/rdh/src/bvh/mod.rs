@@ -137,6 +137,11 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         leaf::in_order(hits);
     }
 
+    /// Which instructions trace it.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
     /// Its nodes.
     #[cfg(feature = "twin")]
     pub(crate) fn nodes(&self) -> &Array<Boxes<W>> {
@@ -150,7 +155,6 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
     }
 
     /// A ray, made ready for its boxes.
-    #[cfg(feature = "twin")]
     #[inline(always)]
     pub(crate) fn box_ray<K: crate::simd::Kernels>(&self, ray: &Ray) -> Option<K::BoxRay> {
         K::box_ray(ray, self.scale, self.magnitude)
