@@ -65,10 +65,12 @@ impl Way<'_> {
     #[inline(always)]
     fn next(&mut self, end: f32) -> Option<Node> {
         loop {
-            let entry = self.stack.pop()?;
-            if !(entry.t_near > end) {
-                (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
-                return Some(entry.node);
+            match self.stack.pop()? {
+                entry if entry.t_near > end => {}
+                entry => {
+                    (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
+                    return Some(entry.node);
+                }
             }
         }
     }
