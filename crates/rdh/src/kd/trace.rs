@@ -66,7 +66,8 @@ impl Way<'_> {
     fn next(&mut self, end: f32) -> Option<Node> {
         loop {
             let entry = self.stack.pop()?;
-            if !(entry.t_near > end) {
+            let is_beyond = entry.t_near > end;
+            if !is_beyond {
                 (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
                 return Some(entry.node);
             }
