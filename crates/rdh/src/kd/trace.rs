@@ -65,12 +65,11 @@ impl Way<'_> {
     #[inline(always)]
     fn next(&mut self, end: f32) -> Option<Node> {
         loop {
-            match self.stack.pop()? {
-                entry if entry.t_near > end => {}
-                entry => {
-                    (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
-                    return Some(entry.node);
-                }
+            let entry = self.stack.pop()?;
+            let is_beyond = entry.t_near > end;
+            if !is_beyond {
+                (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
+                return Some(entry.node);
             }
         }
     }
