@@ -14,7 +14,7 @@ fn plan(specs: &str, casts: u64, brute: bool) -> Plan {
 
 fn run(meshes: &[Closed], plan: &Plan) -> Tally {
     let share = plan.casts / meshes.len() as u64;
-    let tallies = meshes.iter().enumerate().map(|(i, closed)| soak(closed, i, share, plan).expect("it builds"));
+    let tallies = meshes.iter().enumerate().map(|(i, closed)| soak(closed, i, share, None, plan).expect("it builds"));
     tallies.fold(Tally::default(), Tally::plus)
 }
 
@@ -62,7 +62,7 @@ fn leaky() -> Closed {
 
 #[test]
 fn what_escapes_is_counted_and_shown() {
-    let tally = soak(&leaky(), 0, 1_200_000, &plan("kd+sah,bvh8+sah", 0, false)).expect("it builds");
+    let tally = soak(&leaky(), 0, 1_200_000, None, &plan("kd+sah,bvh8+sah", 0, false)).expect("it builds");
     assert!(tally.misses > 50 && tally.different == 0 && !tally.is_clean(), "{tally:?}");
     assert!(tally.faults.len() > 5 && tally.faults[0].contains("icosphere, kd+sah, "), "{:?}", tally.faults.first());
     let anywhere = tally.by_structure[0][Aim::Anywhere as usize];
@@ -73,7 +73,7 @@ fn what_escapes_is_counted_and_shown() {
 fn threads_change_nothing() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| soak(&leaky(), 3, 200_000, &plan("kd+sah,bvh8+rdh", 0, true)).expect("it builds"))
+        pool.install(|| soak(&leaky(), 3, 200_000, None, &plan("kd+sah,bvh8+rdh", 0, true)).expect("it builds"))
     };
     assert_eq!(with(1), with(3));
 }

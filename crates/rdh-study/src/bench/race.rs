@@ -159,7 +159,7 @@ impl Race<'_, '_> {
             let label = self.label(key);
             let answers = self.folder.join(format!("{index}.answers"));
             let started = match &self.plan.programs {
-                Some(folder) => Process::start(&key.file(folder), &key.mode, &track.mesh, answers),
+                Some(folder) => Process::start(&key.file(folder), &key.mode, &track.mesh, answers, None),
                 None => {
                     Err(Trouble::Absent("no engines are installed; `cargo xtask engines --fetch` gets them".into()))
                 }
