@@ -84,7 +84,7 @@ pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Ra
 /// The deepest that a binary tree gets, in edges.
 pub(crate) const DEEPEST: u32 = 64;
 /// Larger subtrees grow in a list of their own, on two threads if there are.
-const OWN_ABOVE: usize = 1 << 14;
+const OWN_ABOVE: usize = 1 << 12;
 
 /// Chooses where to split: by areas, or by the rays in a node.
 pub(crate) trait Chooser: Sync {
@@ -169,7 +169,7 @@ impl<C: Chooser> Grower<'_, C> {
     /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
     fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Parts> {
         let n = primitives.len();
-        if n <= OWN_ABOVE {
+        if n <= OWN_ABOVE || !self.search.parallel {
             let mut nodes = Vec::new();
             // Leaves are half full on average.
             reserve(&mut nodes, 4 * n / self.search.leaf + 1, "nodes")?;

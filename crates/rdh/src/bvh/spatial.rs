@@ -19,7 +19,7 @@ use crate::options::Watch;
 /// Overlaps below this part of the whole structure's area are not worth a cut.
 const LEAST_OVERLAP: f32 = 1e-5;
 /// Larger subtrees grow on two threads if there are.
-const OWN_ABOVE: usize = 1 << 14;
+const OWN_ABOVE: usize = 1 << 12;
 
 /// Grows a tree over references, of which cuts may add `spare`.
 pub(crate) fn grow(
@@ -55,7 +55,7 @@ type Side = (Vec<Extent>, Todo);
 impl<C: Clipper> Grower<'_, C> {
     /// Large subtrees: both sides on their own, then joined.
     fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Parts> {
-        if references.len() <= OWN_ABOVE {
+        if references.len() <= OWN_ABOVE || !self.search.parallel {
             let mut grown = Grown::default();
             self.grow_in(&mut grown, references, todo)?;
             return Ok(grown.into());
