@@ -169,7 +169,7 @@ impl<C: Chooser> Grower<'_, C> {
     /// Large subtrees: both sides in lists of their own, then joined. `first` is the place of the first primitive.
     fn grow(&self, primitives: &mut [Extent], first: usize, todo: Node<C::Rays>) -> Result<Parts> {
         let n = primitives.len();
-        if n <= OWN_ABOVE || !self.search.parallel {
+        if n <= OWN_ABOVE {
             let mut nodes = Vec::new();
             // Leaves are half full on average.
             reserve(&mut nodes, 4 * n / self.search.leaf + 1, "nodes")?;

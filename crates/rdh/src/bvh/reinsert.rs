@@ -130,6 +130,13 @@ impl Candidate {
     fn node(self) -> u32 {
         self.0 as u32
     }
+
+    const BINS: usize = 1 << 12;
+
+    /// By the sign, the exponent and three more bits.
+    fn bin(self) -> usize {
+        (self.0 >> 52) as usize
+    }
 }
 
 /// What a round needs memory for.
@@ -275,9 +282,9 @@ impl Tree {
             let is_visited = crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
             (self.parent(node) != 0 && is_visited).then(|| Candidate::new(node, self.area(node)))
         };
-        let all_before = |limit: Candidate, candidates: &mut Vec<Candidate>| {
+        let all_that = |is_wanted: &(dyn Fn(Candidate) -> bool + Sync), candidates: &mut Vec<Candidate>| {
             let nodes = 1..self.links.len() as u32;
-            let candidate = |node| candidate(node).filter(|candidate| *candidate < limit);
+            let candidate = |node| candidate(node).filter(|&candidate| is_wanted(candidate));
             candidates.clear();
             if parallel {
                 candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
@@ -285,12 +292,43 @@ impl Tree {
                 candidates.extend(nodes.filter_map(candidate));
             }
         };
-        all_before(Candidate(u64::MAX), candidates);
-        let most = candidates.len().div_ceil(SHARE);
-        if crowd.is_none() && most < candidates.len() {
-            // Asked for again, they come as they lie in memory, without being sorted.
-            let (_, &mut limit, _) = candidates.select_nth_unstable(most);
-            all_before(limit, candidates);
+        if crowd.is_some() {
+            return all_that(&|_| true, candidates);
+        }
+        // The last one of those that are wanted lies in this bin: only what is in it must be put in order.
+        let bins = self.bins_of_candidates(&candidate, parallel);
+        let most = bins.iter().sum::<usize>().div_ceil(SHARE);
+        let (mut bin, mut before) = (0, 0);
+        while bin + 1 < bins.len() && before + bins[bin] <= most {
+            before += bins[bin];
+            bin += 1;
+        }
+        all_that(&|candidate| candidate.bin() == bin, candidates);
+        if most - before < candidates.len() {
+            let (_, &mut limit, _) = candidates.select_nth_unstable(most - before);
+            all_that(&|candidate| candidate < limit, candidates);
+        } else {
+            all_that(&|_| true, candidates);
+        }
+    }
+
+    /// How many candidates fall into each bin.
+    fn bins_of_candidates(&self, candidate: &(impl Fn(u32) -> Option<Candidate> + Sync), parallel: bool) -> Vec<usize> {
+        let count = |first: u32| {
+            let mut bins = vec![0; Candidate::BINS];
+            let last = (first + CHUNK as u32).min(self.links.len() as u32);
+            (first.max(1)..last).filter_map(candidate).for_each(|candidate| bins[candidate.bin()] += 1);
+            bins
+        };
+        let merged = |mut a: Vec<usize>, b: Vec<usize>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        let (firsts, none) = (0..self.links.len().div_ceil(CHUNK) as u32, || vec![0; Candidate::BINS]);
+        if parallel {
+            firsts.into_par_iter().map(|i| count(i * CHUNK as u32)).reduce(none, merged)
+        } else {
+            firsts.map(|i| count(i * CHUNK as u32)).fold(none(), merged)
         }
     }
 

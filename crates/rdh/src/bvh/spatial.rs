@@ -55,7 +55,7 @@ type Side = (Vec<Extent>, Todo);
 impl<C: Clipper> Grower<'_, C> {
     /// Large subtrees: both sides on their own, then joined.
     fn grow(&self, references: Vec<Extent>, todo: Todo) -> Result<Parts> {
-        if references.len() <= OWN_ABOVE || !self.search.parallel {
+        if references.len() <= OWN_ABOVE {
             let mut grown = Grown::default();
             self.grow_in(&mut grown, references, todo)?;
             return Ok(grown.into());

@@ -48,9 +48,7 @@ pub(crate) fn made<T: Copy + Send, I: Iterator<Item = T>>(
     what: &'static str,
     make: impl Fn(Range<usize>) -> I + Sync,
 ) -> Result<Vec<T>> {
-    // Soon given back: memory that has been used before is better than large pages, which must be cleared first.
-    let mut all: Vec<T> = Vec::new();
-    super::reserve(&mut all, n, what)?;
+    let mut all: Vec<T> = room(n, what)?;
     let fill = |(i, piece): (usize, &mut [MaybeUninit<T>])| {
         let numbers = i * chunk..i * chunk + piece.len();
         let slots = piece.iter_mut().zip(make(numbers));
