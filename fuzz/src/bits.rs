@@ -1,5 +1,6 @@
 //! Bytes taken apart into numbers; zeros when they run out.
 
+use rdh::precise::{MeshF64, RayF64};
 use rdh::{Mesh, Ray, TriId};
 
 pub(crate) struct Bits<'a> {
@@ -31,6 +32,36 @@ impl<'a> Bits<'a> {
             0 => f32::from_bits(self.word()),
             _ => f32::from(self.byte() as i8) / 16.0,
         }
+    }
+
+    /// Any bits within the range that double precision promises, or a small number, with few digits or with all of them.
+    pub(crate) fn double(&mut self) -> f64 {
+        let x = match self.below(4) {
+            0 => f64::from_bits(u64::from(self.word()) << 32 | u64::from(self.word())),
+            1 => f64::from(self.byte() as i8) / 3.0,
+            _ => f64::from(self.byte() as i8) / 16.0,
+        };
+        if x == 0.0 || (1e-250..1e250).contains(&x.abs()) { x } else { 0.5 }
+    }
+
+    /// From anywhere, at a corner, at an edge or along an axis.
+    pub(crate) fn ray_f64(&mut self, mesh: &MeshF64) -> RayF64 {
+        let origin = [0; 3].map(|_| self.double());
+        let direction = match self.below(3) {
+            0 => [0; 3].map(|_| self.double()),
+            1 if !mesh.is_empty() => {
+                let corners = mesh.corners(TriId(self.below(mesh.len()) as u32));
+                let (at, part) = (corners[self.below(3)], [0.0, 0.5][self.below(2)]);
+                [0, 1, 2].map(|a| at[a] + part * (corners[0][a] - at[a]) - origin[a])
+            }
+            _ => {
+                let mut direction = [0; 3].map(|_| [0.0, -0.0][self.below(2)]);
+                direction[self.below(3)] = [1.0, -1.0][self.below(2)];
+                direction
+            }
+        };
+        let mut limit = |usual: f64| if self.below(4) == 0 { self.double() } else { usual };
+        RayF64::new(origin, direction).within(limit(f64::NEG_INFINITY), limit(f64::INFINITY))
     }
 
     /// A coordinate as clippers see them: meshes are scaled before, so that none is beyond 2²⁰.

@@ -7,6 +7,7 @@ mod saved;
 use std::path::Path;
 
 use bits::Bits;
+use rdh::precise::{self, AccelF64, MeshF64};
 use rdh::{BuildOptions, Mesh, Profile, Query, RayClass, RaySample, Spec, Training, naive};
 use rdh_scene::formats::{Context, format_of};
 
@@ -20,7 +21,8 @@ pub fn mesh(format: &str, data: &[u8]) {
         std::fs::write(folder.path().join("a.bin"), bytes).ok()?;
         Some(folder)
     });
-    let context = Context { folder: folder.as_ref().map(|f| f.path()), time_secs: (data.len() % 2 == 0).then_some(0.5) };
+    let context =
+        Context { folder: folder.as_ref().map(|f| f.path()), time_secs: (data.len() % 2 == 0).then_some(0.5) };
     if let Ok(scene) = (format.read)(file, &context) {
         // A file can ask for many copies of what it holds; making them is its reader's wish.
         if scene.triangle_count() < 1 << 16 {
@@ -76,7 +78,10 @@ pub fn clip(data: &[u8]) {
         let part = if point[a] <= f64::from(plane) { left } else { right };
         for i in 0..3 {
             let room = corners.iter().fold(0.0f64, |most, c| most.max(f64::from(c[i]).abs())) * 1e-14;
-            assert!(point[i] >= f64::from(part.min[i]) - room && point[i] <= f64::from(part.max[i]) + room, "{point:?}");
+            assert!(
+                point[i] >= f64::from(part.min[i]) - room && point[i] <= f64::from(part.max[i]) + room,
+                "{point:?}"
+            );
         }
     }
 }
@@ -118,6 +123,28 @@ pub fn trace(data: &[u8]) {
         assert_eq!(accel.occluded(ray), naive::occluded(&mesh, ray), "{spec}, {ray:?}");
         accel.all_hits(ray, &mut hits);
         assert_eq!(hits, naive::all_hits(&mesh, ray), "{spec}, {ray:?}");
+    }
+}
+
+/// Builds a hierarchy for double precision, and casts any rays: as brute force in f64 does.
+pub fn precise(data: &[u8]) {
+    const SPECS: [&str; 5] = ["bvh8+sah", "bvh4+sah", "sbvh8+sah", "bvh8(from=kd)+sah", "bvh8(compact)+sah"];
+    let mut bits = Bits::new(data);
+    let spec: Spec = SPECS[bits.below(SPECS.len())].parse().expect("a spec");
+    let vertices = 3 + bits.below(61);
+    // In a map's coordinates as often as anywhere.
+    let middle = [0.0, 5_334_784.25][bits.below(2)];
+    let positions = (0..vertices).map(|_| [0; 3].map(|_| middle + bits.double())).collect();
+    let triangles = (0..1 + bits.below(64)).map(|_| [0; 3].map(|_| bits.below(vertices) as u32)).collect();
+    let mesh = MeshF64::new(positions, triangles).expect("finite vertices, indices in range");
+    let accel = AccelF64::build(&mesh, &spec, &Training::none(), &BuildOptions::default()).expect("it builds");
+    let mut hits = Vec::new();
+    for _ in 0..16 {
+        let ray = bits.ray_f64(&mesh);
+        assert_eq!(accel.closest(&ray), precise::naive::closest(&mesh, &ray), "{spec}, {ray:?}");
+        assert_eq!(accel.occluded(&ray), precise::naive::occluded(&mesh, &ray), "{spec}, {ray:?}");
+        accel.all_hits(&ray, &mut hits);
+        assert_eq!(hits, precise::naive::all_hits(&mesh, &ray), "{spec}, {ray:?}");
     }
 }
 

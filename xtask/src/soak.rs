@@ -16,6 +16,9 @@ pub(crate) struct Arguments {
     /// How many rays, 1e9 for instance
     #[arg(long, default_value = "1e7")]
     rays: String,
+    /// End after about so many minutes, with fewer rays
+    #[arg(long)]
+    minutes: Option<u64>,
     /// Other seeds make other rays
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -47,6 +50,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let mut command = Command::new("cargo");
     command.args(["run", "--quiet", "--profile", &arguments.profile, "-p", "rdh-study", "--example", "soak", "--"]);
     command.args(["--rays", &arguments.rays, "--seed", &arguments.seed.to_string()]).arg("--json").arg(&kept);
+    if let Some(minutes) = arguments.minutes {
+        command.args(["--minutes", &minutes.to_string()]);
+    }
     if arguments.brute {
         command.arg("--brute");
     } else if let Some(scenes) = scenes {

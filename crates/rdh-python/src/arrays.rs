@@ -10,6 +10,7 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use rdh_rows::Numbers;
 
 /// Numbers that lie one after the other, in one of the two sizes that rays and vertices are wanted in.
 pub(crate) enum Floats<'py> {
@@ -17,13 +18,6 @@ pub(crate) enum Floats<'py> {
     F32(PyReadonlyArrayDyn<'py, f32>),
     /// Everything else becomes these first.
     F64(PyReadonlyArrayDyn<'py, f64>),
-}
-
-/// [`Floats`] without Python: what other threads may read.
-#[derive(Clone, Copy)]
-pub(crate) enum Numbers<'a> {
-    F32(&'a [f32]),
-    F64(&'a [f64]),
 }
 
 impl<'py> Floats<'py> {
@@ -90,25 +84,6 @@ impl<'py> Floats<'py> {
         match self {
             Self::F32(array) => array.py(),
             Self::F64(array) => array.py(),
-        }
-    }
-}
-
-impl Numbers<'_> {
-    /// How many there are.
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::F32(all) => all.len(),
-            Self::F64(all) => all.len(),
-        }
-    }
-
-    /// Three that belong together.
-    #[inline(always)]
-    pub(crate) fn triple(&self, at: usize) -> [f64; 3] {
-        match self {
-            Self::F32(all) => std::array::from_fn(|k| f64::from(all[at + k])),
-            Self::F64(all) => std::array::from_fn(|k| all[at + k]),
         }
     }
 }

@@ -5,10 +5,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use rayon::ThreadPool;
 use rdh::{Hit, Mesh, Ray};
+use rdh_rows::{RayRows, unit_normal};
 
 use crate::arrays::{refuse, zeros};
 use crate::batch::{self, Columns, Window};
-use crate::rays::RayRows;
 use crate::world::{Caster, World};
 
 /// The id of a miss, as in Embree and Open3D.
@@ -118,7 +118,7 @@ pub(crate) fn closest<'py>(
         primitive_normals: rows(&mut primitive_normals)?,
     };
     let caster = world.caster();
-    batch::fill(py, pool, rays.len(), fields, |window, mut fields| {
+    batch::fill(py, pool, rays.count(), fields, |window, mut fields| {
         let (mut batch, mut hits) = (Vec::new(), Vec::new());
         // First all are traced, then their results fetched: so the processor waits for many of the mesh's triangles at a time.
         window.batches(|rows, first| {
@@ -127,8 +127,19 @@ pub(crate) fn closest<'py>(
             rows.zip(&hits).for_each(|(row, hit)| fields.set(row, *hit, caster.accel.mesh()));
         });
     })?;
-    rays.check("rays")?;
+    check(rays, "rays")?;
     Ok(made.result)
+}
+
+/// Refuses rays that did not fit in 32-bit floats; to be asked when all have been got.
+///
+/// # Errors
+/// `ValueError` naming the argument and the first such ray.
+pub(crate) fn check(rays: &RayRows<'_>, argument: &str) -> PyResult<()> {
+    match rays.too_far() {
+        None => Ok(()),
+        Some(ray) => Err(refuse(argument, format_args!("ray {ray} is beyond the range of 32-bit floats"))),
+    }
 }
 
 /// The dictionary of results, as it is filled with arrays.
@@ -210,8 +221,8 @@ fn numbers<'py, T: Element>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let array = zeros::<T>(py, shape)?;
     let mut held = array.try_readwrite()?;
-    batch::fill(py, pool, rays.len(), held.as_slice_mut()?, |window, numbers| work(window, &caster, numbers))?;
-    rays.check(argument)?;
+    batch::fill(py, pool, rays.count(), held.as_slice_mut()?, |window, numbers| work(window, &caster, numbers))?;
+    check(rays, argument)?;
     Ok(array.into_any())
 }
 
@@ -256,7 +267,7 @@ pub(crate) fn list<'py>(
     rays: &RayRows<'_>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let caster = world.caster();
-    let parts = batch::map(py, pool, rays.len(), |window| {
+    let parts = batch::map(py, pool, rays.count(), |window| {
         let (mut found, mut of_one) = (Found::with_capacity(window.len()), Vec::new());
         window.each(|_, ray| {
             caster.all_hits(&rays.get(ray), &mut of_one);
@@ -265,7 +276,7 @@ pub(crate) fn list<'py>(
         });
         found
     })?;
-    rays.check("rays")?;
+    check(rays, "rays")?;
     let rows = || parts.iter().flat_map(Found::rows);
     let hits = || rows().flatten();
     let count = parts.iter().map(Found::len).sum();
@@ -276,7 +287,7 @@ pub(crate) fn list<'py>(
     });
     let ray_ids = rows().enumerate().flat_map(|(ray, hits)| std::iter::repeat_n(ray as i64, hits.len()));
     let result = PyDict::new(py);
-    result.set_item("ray_splits", filled(py, &[rays.len() + 1], std::iter::once(0).chain(splits))?)?;
+    result.set_item("ray_splits", filled(py, &[rays.count() + 1], std::iter::once(0).chain(splits))?)?;
     result.set_item("ray_ids", filled(py, &[count], ray_ids)?)?;
     result.set_item(FIELDS[0], filled(py, &[count], hits().map(|h| h.t))?)?;
     result.set_item(FIELDS[1], filled(py, &[count], hits().map(|h| h.geometry.0))?)?;
@@ -296,14 +307,4 @@ fn filled<'py, T: Element>(
         *place = number;
     }
     Ok(array.into_any())
-}
-
-/// The direction in which the corners run counter-clockwise, of length 1.
-fn unit_normal(corners: [rdh::Vec3; 3]) -> [f32; 3] {
-    let [a, b, c] = corners.map(|p| p.map(f64::from));
-    let side = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
-    let (u, v) = (side(b), side(c));
-    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length > 0.0 { n.map(|x| (x / length) as f32) } else { [0.0; 3] }
 }

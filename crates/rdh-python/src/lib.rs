@@ -11,7 +11,6 @@ mod load;
 mod pairs;
 mod pool;
 mod profile;
-mod rays;
 mod scene;
 mod tune;
 mod world;

@@ -4,12 +4,12 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rdh::{Hit, Ray};
+use rdh_rows::{Meeting, Numbers, RayRows, place_meetings};
 
-use crate::arrays::{Floats, Numbers, refuse, zeros};
+use crate::arrays::{Floats, refuse, zeros};
 use crate::batch;
-use crate::cast::{self, Found};
+use crate::cast::{self, Found, check};
 use crate::pool::pool;
-use crate::rays::RayRows;
 use crate::scene::Scene;
 use crate::world::{Caster, World};
 
@@ -78,17 +78,11 @@ pub(crate) fn _meetings<'py>(
     let (corners, pool) = (corners.numbers()?, pool(py, threads)?);
     let rays = pairs.rays(world.origin)?;
     let meetings = find_meetings(py, &pool, world, corners, &rays, most)?;
-    rays.check("ray_origins, ray_directions")?;
+    check(&rays, "ray_origins, ray_directions")?;
     gather(py, &meetings)
 }
 
 type Meetings<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
-
-/// Where a ray and a triangle meet.
-struct Meeting {
-    triangle: u32,
-    point: [f64; 3],
-}
 
 fn find_meetings(
     py: Python<'_>,
@@ -99,13 +93,9 @@ fn find_meetings(
     most: usize,
 ) -> PyResult<Vec<Found<Meeting>>> {
     let caster = world.caster();
-    let place = |(index, hit): (usize, Hit)| {
-        let triangle = caster.accel.mesh().triangles()[hit.tri.index()];
-        let point = meeting_point(triangle.map(|i| corners.triple(3 * i as usize)), rays.exact(index), &hit);
-        Meeting { triangle: hit.tri.0, point }
-    };
+    let triangles = caster.accel.mesh().triangles();
     // First all are traced, then placed: so the processor waits for many triangles at a time.
-    batch::map(py, pool, rays.len(), |window| {
+    batch::map(py, pool, rays.count(), |window| {
         let (mut found, mut pending) = (Found::with_capacity(window.len()), Vec::new());
         if most == 1 {
             let (mut batch, mut closest) = (Vec::new(), Vec::new());
@@ -114,7 +104,8 @@ fn find_meetings(
                 caster.closest_many(&batch, &mut closest);
                 found.counts.extend(closest.iter().map(|hit| u32::from(hit.is_some())));
                 pending.extend((first..).zip(&closest).filter_map(|(index, hit)| Some((index, (*hit)?))));
-                found.things.extend(pending.drain(..).map(place));
+                place_meetings(corners, triangles, rays, &pending, &mut found.things);
+                pending.clear();
             });
             return found;
         }
@@ -126,7 +117,8 @@ fn find_meetings(
                 pending.extend(hits.iter().map(|hit| (index, *hit)));
                 found.counts.push(hits.len() as u32);
             }
-            found.things.extend(pending.drain(..).map(place));
+            place_meetings(corners, triangles, rays, &pending, &mut found.things);
+            pending.clear();
         });
         found
     })
@@ -148,27 +140,6 @@ fn gather<'py>(py: Python<'py>, meetings: &[Found<Meeting>]) -> PyResult<Meeting
         }
     }
     Ok((triangles.cast_into()?, rays.cast_into()?, points.cast_into()?))
-}
-
-/// Where a ray and a triangle that it hits meet: on the ray and in the plane, without the rounding to 32 bits; but where
-/// the ray is so flat that this is far off, at the hit's weights of the corners.
-fn meeting_point([a, b, c]: [[f64; 3]; 3], (origin, direction): ([f64; 3], [f64; 3]), hit: &Hit) -> [f64; 3] {
-    let (ab, ac) = (sub(b, a), sub(c, a));
-    let normal = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
-    let weighted = [0, 1, 2].map(|k| a[k] + f64::from(hit.u) * ab[k] + f64::from(hit.v) * ac[k]);
-    let t = dot(normal, sub(a, origin)) / dot(normal, direction);
-    let point = [0, 1, 2].map(|k| origin[k] + t * direction[k]);
-    let (off, size) = (sub(point, weighted), dot(ab, ab).max(dot(ac, ac)));
-    // NaN is far off, too.
-    if dot(off, off) <= 1e-4 * size { point } else { weighted }
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// As many origins as directions.

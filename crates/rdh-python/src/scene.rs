@@ -6,6 +6,7 @@ use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use rdh::{Spec, Training};
+use rdh_rows::RayRows;
 use rdh_scene::saved;
 
 use crate::arrays::{Floats, read_faces, refuse, reserve, zeros};
@@ -15,7 +16,6 @@ use crate::errors::{from_library, from_scene};
 use crate::load::About;
 use crate::pool::pool;
 use crate::profile::Profile;
-use crate::rays::RayRows;
 use crate::tune::{self, Measure};
 use crate::world::{self, SavedFile, World};
 

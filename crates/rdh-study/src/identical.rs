@@ -1,9 +1,14 @@
 //! The same bits everywhere: trees on any number of threads and by any instructions, and what every structure answers at every level,
 //! down to brute force.
 
+use std::io;
+
 use rdh::simd::Level;
-use rdh::{Accel, BuildOptions, Hit, Query, Ray, Recorder, Spec, Training, naive};
+use rdh::{Accel, BuildOptions, Hit, Provenance, Query, Ray, Recorder, Spec, Training, naive};
 use rdh_scene::Entry;
+
+use data_encoding::HEXLOWER;
+use sha2::{Digest, Sha256};
 
 use crate::bench::{Column, Film, Frame};
 use crate::integrate::{Lens, Mode, Stage};
@@ -68,6 +73,31 @@ pub fn compare(entry: &Entry, wanted: &Comparison) -> Result<Compared, String> {
         }
     }
     Ok(work.compared)
+}
+
+/// The SHA-256 of a structure as it is saved, in hexadecimal digits: of all its arrays, its mesh, and what was asked for, without notes of
+/// how it came about. One that is never saved has its own short hash instead.
+pub fn digest(accel: &Accel) -> String {
+    let bare = accel.clone().with_provenance(Provenance::default());
+    let mut hash = Hashed(Sha256::new());
+    match bare.write_to(&mut hash) {
+        Ok(()) => HEXLOWER.encode(&hash.0.finalize()),
+        Err(_) => format!("{:016x}", accel.fingerprint()),
+    }
+}
+
+/// What is written into it is hashed.
+struct Hashed(Sha256);
+
+impl io::Write for Hashed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// The rays of a column, and what they hit.
@@ -145,8 +175,9 @@ impl Work<'_> {
         let ways: Vec<_> = self.wanted.threads.iter().copied().zip(levels.into_iter().rev().cycle()).collect();
         let (&(threads, level), others) = ways.split_first().ok_or("no number of threads is given")?;
         let tree = self.build(spec, training, threads, level)?;
+        let known = digest(&tree);
         for &(threads, level) in others {
-            if self.build(spec, training, threads, level)?.fingerprint() != tree.fingerprint() {
+            if digest(&self.build(spec, training, threads, level)?) != known {
                 self.fault(&spec.to_string(), format!("{threads} threads with {} build another tree", level.name()));
             }
         }

@@ -16,7 +16,8 @@ pub(crate) trait Collector {
     /// What it begins with.
     type Start;
 
-    /// Whether any hit ends the search: then the likeliest triangles come first, not the nearest.
+    /// Whether hits may come in any order, since one is enough or all are wanted: then the likeliest triangles come first, not the
+    /// nearest.
     const ANY: bool = false;
 
     /// Whether it matters what is hit; if not, the test itself can be spared where its outcome is certain.
@@ -161,6 +162,7 @@ impl<'a> Collector for AnyWhere<'a> {
 pub(crate) struct All<'a>(pub(crate) &'a mut Vec<Hit>);
 
 impl<'a> Collector for All<'a> {
+    const ANY: bool = true;
     type Start = &'a mut Vec<Hit>;
     type Output = ();
 
@@ -174,12 +176,20 @@ impl<'a> Collector for All<'a> {
 
     #[inline(always)]
     fn take(&mut self, hit: Hit, t_max: f32, seen: impl FnOnce() -> Seen) -> Option<f32> {
-        let Seen { frame, corners } = seen();
-        if owns_crossing(&frame, &corners) {
+        let owns = is_amid(&hit) || {
+            let Seen { frame, corners } = seen();
+            owns_crossing(&frame, &corners)
+        };
+        if owns {
             self.0.push(hit);
         }
         Some(t_max)
     }
+}
+
+/// Whether a hit is surely on no edge: none of its three weights can be a rounded 0. Nearly all hits are spared the exact question.
+fn is_amid(hit: &Hit) -> bool {
+    hit.u > 0.0 && hit.v > 0.0 && hit.u + hit.v < 1.0 - 8.0 * f32::EPSILON
 }
 
 /// Nearest first, then by id; each triangle once.

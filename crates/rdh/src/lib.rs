@@ -28,6 +28,7 @@ pub mod mesh;
 pub mod naive;
 pub mod options;
 mod parts;
+pub mod precise;
 pub mod probe;
 pub mod rays;
 pub mod sanitised;

@@ -38,19 +38,30 @@ impl Mesh {
 
     /// [`Self::new`], of arrays that may lie anywhere.
     pub(crate) fn of_arrays(positions: Array<Vec3>, triangles: Array<[u32; 3]>) -> Result<Self> {
-        limit("triangles", triangles.len(), Self::MAX_TRIANGLES)?;
-        limit("vertices", positions.len(), u32::MAX as usize)?;
+        Self::check_size(positions.len(), triangles.len())?;
         for (vertex, p) in positions.iter().enumerate() {
             if let Some(axis) = p.iter().position(|x| !x.is_finite()) {
                 return Err(Error::NotFinite { vertex, axis, value: p[axis] });
             }
         }
+        Self::check_indices(&triangles, positions.len())?;
+        Ok(Self { positions, triangles, masks: None })
+    }
+
+    /// Whether there are not too many vertices and triangles.
+    pub(crate) fn check_size(vertices: usize, triangles: usize) -> Result<()> {
+        limit("triangles", triangles, Self::MAX_TRIANGLES)?;
+        limit("vertices", vertices, u32::MAX as usize)
+    }
+
+    /// Whether all indices are in range.
+    pub(crate) fn check_indices(triangles: &[[u32; 3]], vertices: usize) -> Result<()> {
         for (triangle, t) in triangles.iter().enumerate() {
-            if let Some(&index) = t.iter().find(|&&i| i as usize >= positions.len()) {
-                return Err(Error::IndexOutOfRange { triangle, index, vertices: positions.len() });
+            if let Some(&index) = t.iter().find(|&&i| i as usize >= vertices) {
+                return Err(Error::IndexOutOfRange { triangle, index, vertices });
             }
         }
-        Ok(Self { positions, triangles, masks: None })
+        Ok(())
     }
 
     /// Gives each triangle a mask; a ray sees it when `ray.mask & mask != 0`. The default is all ones.

@@ -17,5 +17,6 @@ examples!(
     first_hit: "../examples/first_hit.rs",
     all_hits: "../examples/all_hits.rs",
     record_and_tune: "../examples/record_and_tune.rs",
-    load: "../examples/load.rs"
+    load: "../examples/load.rs",
+    far_from_home: "../examples/far_from_home.rs"
 );

@@ -316,6 +316,11 @@ fn invalid_rays_are_counted_and_not_kept() {
         let all = bad.len() as u64;
         assert_eq!((profile.len(), profile.invalid(), profile.seen()), (0, all, all));
     }
+    // None of them can have hit anything; whoever says so gets none of them into the sample, whatever its hash.
+    let recorder = Recorder::new(100, 1);
+    bad.iter().for_each(|r| recorder.record(r, Some(hit(1.0)), Query::Closest, RayClass::Bounce));
+    let profile = recorder.into_profile();
+    assert_eq!((profile.len(), profile.invalid(), profile.seen()), (0, 0, bad.len() as u64));
     let samples = bad.iter().map(|&r| RaySample::new(r, None, Query::Closest, RayClass::Bounce)).collect();
     let profile = Profile::from_samples(samples, 1);
     assert_eq!((profile.len(), profile.invalid()), (0, bad.len() as u64));

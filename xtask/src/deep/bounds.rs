@@ -6,8 +6,8 @@ use anyhow::Result;
 
 use super::{Arguments, Outcome, outcome};
 
-pub(super) fn run(_: &Arguments) -> Result<Outcome> {
+pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut command = Command::new("cargo");
-    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", "cancel"]);
+    command.args(["run", "--profile", &arguments.profile, "--quiet", "-p", "rdh-study", "--example", "cancel"]);
     outcome(&mut command, &["in all:"])
 }

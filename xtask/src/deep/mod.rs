@@ -28,6 +28,9 @@ pub(crate) struct Arguments {
     /// Let the clock decide in `audit`, too: on a machine that is idle
     #[arg(long)]
     times: bool,
+    /// Cargo's profile
+    #[arg(long, default_value = "release")]
+    profile: String,
 }
 
 impl Arguments {
@@ -114,7 +117,7 @@ fn outcome(command: &mut Command, words: &[&str]) -> Result<Outcome> {
 /// An example of the study over the embedded scenes and those of the folder.
 fn example(name: &str, arguments: &Arguments) -> Command {
     let mut command = Command::new("cargo");
-    command.args(["run", "--release", "--quiet", "-p", "rdh-study", "--example", name, "--"]);
+    command.args(["run", "--profile", &arguments.profile, "--quiet", "-p", "rdh-study", "--example", name, "--"]);
     if let Some(folder) = arguments.scenes(name) {
         command.arg("--scenes").arg(folder);
     }

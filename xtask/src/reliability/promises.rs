@@ -60,11 +60,7 @@ pub(super) const PROMISES: [Promise; 17] = [
         "builds",
         "cargo test -p rdh --test builds",
     ),
-    promise(
-        "A build over 300,000 triangles asks every 50 ms whether to stop (split=sweep: 200 ms)",
-        "cancel",
-        "cargo xtask deep cancel",
-    ),
+    promise("A build over 300,000 triangles asks every 50 ms whether to stop", "cancel", "cargo xtask deep cancel"),
     promise(
         "Where memory is refused a build is an error, and leaks nothing",
         "allocation",

@@ -3,6 +3,9 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use rdh::Query;
 use serde::Deserialize;
@@ -14,12 +17,14 @@ use super::registry::Form;
 /// A running engine that has built its structure.
 #[derive(Debug)]
 pub(crate) struct Process {
-    child: Child,
+    child: Arc<Mutex<Child>>,
     input: ChildStdin,
     output: BufReader<ChildStdout>,
     /// Where it writes the answers of all rays.
     answers: PathBuf,
     pub(crate) built: Built,
+    /// Told to end by being dropped.
+    _watchdog: Option<Sender<()>>,
 }
 
 /// What an engine says once it has built.
@@ -72,8 +77,14 @@ struct RaysAnswer {
 }
 
 impl Process {
-    /// Starts a program on a mesh file, and waits until it has built.
-    pub(crate) fn start(program: &Path, mode: &str, mesh: &Path, answers: PathBuf) -> Result<Self, Trouble> {
+    /// Starts a program on a mesh file, and waits until it has built. With a limit it is killed after that time, whatever it does then.
+    pub(crate) fn start(
+        program: &Path,
+        mode: &str,
+        mesh: &Path,
+        answers: PathBuf,
+        limit: Option<Duration>,
+    ) -> Result<Self, Trouble> {
         if !program.is_file() {
             return Err(Trouble::Absent(format!("{} is not there", program.display())));
         }
@@ -87,7 +98,10 @@ impl Process {
             return Err(Trouble::Failed("the engine has no pipes".to_owned()));
         };
         let unknown = Built { version: String::new(), build_nanos: 0, bytes: 0 };
-        let mut process = Self { child, input, output: BufReader::new(output), answers, built: unknown };
+        let child = Arc::new(Mutex::new(child));
+        let watchdog = limit.map(|limit| watchdog(Arc::clone(&child), limit));
+        let output = BufReader::new(output);
+        let mut process = Self { child, input, output, answers, built: unknown, _watchdog: watchdog };
         process.built = process.answer()?;
         Ok(process)
     }
@@ -139,7 +153,7 @@ impl Process {
 
     fn ended(&mut self) -> Trouble {
         // Its pipe is closed, so it won't be long.
-        let how = self.child.wait().map_or_else(|e| e.to_string(), |status| status.to_string());
+        let how = lock(&self.child).wait().map_or_else(|e| e.to_string(), |status| status.to_string());
         Trouble::Failed(format!("the engine has ended without an answer: {how}"))
     }
 }
@@ -147,9 +161,25 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         // It would end by itself when its input does, but not before it has answered.
-        self.child.kill().ok();
-        self.child.wait().ok();
+        let mut child = lock(&self.child);
+        child.kill().ok();
+        child.wait().ok();
     }
+}
+
+/// Kills a child after some time, unless the sender is dropped before.
+fn watchdog(child: Arc<Mutex<Child>>, limit: Duration) -> Sender<()> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        if receiver.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+            lock(&child).kill().ok();
+        }
+    });
+    sender
+}
+
+fn lock(child: &Mutex<Child>) -> std::sync::MutexGuard<'_, Child> {
+    child.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn name(query: Query) -> &'static str {

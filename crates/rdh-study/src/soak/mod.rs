@@ -4,15 +4,19 @@
 //! ```text
 //!  mod      the work, and what comes of it
 //!  others   what other libraries miss
+//!  batches  rays that are cast together
 //!  aim      how rays are aimed
 //!  closed   meshes, and where inside of them rays start
 //!  solid    one of the meshes
 //! ```
 
 mod aim;
+mod batches;
 mod closed;
 pub mod others;
 mod solid;
+
+use std::time::Instant;
 
 use rayon::prelude::*;
 use rdh::simd::Level;
@@ -22,7 +26,8 @@ use serde::{Deserialize, Serialize};
 use crate::integrate::{Random, derived_seed};
 pub use aim::Aim;
 use aim::Range;
-pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed};
+pub use batches::{Batches, Form, soak_batches};
+pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed, large_mesh};
 
 /// What is to be done.
 #[derive(Debug, Clone)]
@@ -62,15 +67,24 @@ const CHUNK: u64 = 1024;
 /// Every so manyth ray is asked for all its hits, which takes long.
 const ALL_HITS: u64 = 8;
 
+/// Of so many chunks all but one are cast at the best level, which takes the least time; the other levels share that one.
+const BEST_LEVEL: u64 = 4;
+
 /// More faults than this are only counted.
 const FAULTS: usize = 20;
 
 /// Casts a mesh's share of the rays, on all threads of rayon's current pool; the same rays and results on any number of them. A
-/// share is at least one chunk a level.
+/// share is at least four chunks. What has not begun `until` then is left out: then there are fewer rays, of the same ones.
 ///
 /// # Errors
 /// A structure that can't be built.
-pub fn soak(closed: &Closed, number: usize, share: u64, plan: &Plan) -> Result<Tally, rdh::Error> {
+pub fn soak(
+    closed: &Closed,
+    number: usize,
+    share: u64,
+    until: Option<Instant>,
+    plan: &Plan,
+) -> Result<Tally, rdh::Error> {
     let structures = structures(closed, plan)?;
     let range = Range::new(closed, structures.iter());
     let levels: Vec<Vec<Accel>> = Level::available()
@@ -78,8 +92,19 @@ pub fn soak(closed: &Closed, number: usize, share: u64, plan: &Plan) -> Result<T
         .map(|level| structures.iter().map(|accel| accel.clone().with_level(level)).collect())
         .collect();
     let work = Work { closed, range, levels, plan, seed: derived_seed(plan.seed, number as u64) };
-    let chunks = share.div_ceil(CHUNK * casts_per_ray(plan)).max(work.levels.len() as u64);
-    Ok((0..chunks).into_par_iter().map(|chunk| work.chunk(chunk)).reduce(Tally::default, Tally::plus))
+    let chunks = share.div_ceil(CHUNK * casts_per_ray(plan)).max(BEST_LEVEL * (work.levels.len() as u64 - 1).max(1));
+    let in_time = |chunk: &u64| *chunk < BEST_LEVEL || until.is_none_or(|until| Instant::now() < until);
+    let tallies = (0..chunks).into_par_iter().filter(in_time).map(|chunk| work.chunk(chunk));
+    Ok(tallies.reduce(Tally::default, Tally::plus))
+}
+
+/// Which of some levels, the best of them last, casts a chunk.
+fn level_of(chunk: u64, levels: usize) -> usize {
+    match levels as u64 - 1 {
+        0 => 0,
+        others if chunk.is_multiple_of(BEST_LEVEL) => (chunk / BEST_LEVEL % others) as usize,
+        best => best as usize,
+    }
 }
 
 /// Through each structure the nearest hit and any; all of some.
@@ -116,7 +141,7 @@ struct Work<'a> {
 
 impl Work<'_> {
     fn chunk(&self, chunk: u64) -> Tally {
-        let level = (chunk % self.levels.len() as u64) as usize;
+        let level = level_of(chunk, self.levels.len());
         let structures = &self.levels[level];
         let mut random = Random::new(self.seed, chunk);
         let mut tally = Tally { by_level: vec![0; self.levels.len()], ..Tally::of(structures.len()) };

@@ -1,6 +1,7 @@
 //! What other libraries miss, of rays that are aimed as ours.
 
 use std::path::Path;
+use std::time::Duration;
 
 use rdh::{Query, Ray};
 use serde::{Deserialize, Serialize};
@@ -41,10 +42,10 @@ const MODES: [&str; 8] = [
 ];
 
 /// Casts rays of each aim in some of the meshes through the engines whose programs are in a folder. Absent ones are left out, with a
-/// word on standard error.
+/// word on standard error, and so are those that fail or take minutes.
 ///
 /// # Errors
-/// A program that fails, or a file that can't be written.
+/// A structure that can't be built, or a file that can't be written.
 pub fn others(meshes: &[Closed], folder: &Path, count: usize, seed: u64) -> Result<Vec<Other>, String> {
     let place = tempfile::tempdir().map_err(|e| e.to_string())?;
     let mut found = Vec::new();
@@ -59,18 +60,14 @@ pub fn others(meshes: &[Closed], folder: &Path, count: usize, seed: u64) -> Resu
                 continue;
             }
             let program = folder.join(format!("{}{}", engine.program, std::env::consts::EXE_SUFFIX));
-            match Process::start(&program, mode, &mesh, place.path().join("answers")) {
-                Ok(mut process) => {
-                    let missed = misses(&mut process, &aimed, &place.path().join("rays"));
-                    let missed = missed.map_err(|why| format!("{label}, {}: {why}", closed.name))?;
-                    found.extend(aimed.iter().zip(missed).map(|((aim, rays), missed)| Other {
-                        engine: label.clone(),
-                        mesh: closed.name.clone(),
-                        aim: aim.name().to_owned(),
-                        rays: rays.len() as u64,
-                        missed,
-                    }));
-                }
+            match ask(&program, mode, &mesh, &aimed, place.path()) {
+                Ok(missed) => found.extend(aimed.iter().zip(missed).map(|((aim, rays), missed)| Other {
+                    engine: label.clone(),
+                    mesh: closed.name.clone(),
+                    aim: aim.name().to_owned(),
+                    rays: rays.len() as u64,
+                    missed,
+                })),
                 Err(Trouble::Absent(why) | Trouble::Failed(why)) => {
                     eprintln!("{label}, {}: left out: {why}", closed.name)
                 }
@@ -80,15 +77,18 @@ pub fn others(meshes: &[Closed], folder: &Path, count: usize, seed: u64) -> Resu
     Ok(found)
 }
 
-fn misses(process: &mut Process, aimed: &[(Aim, Vec<Ray>)], file: &Path) -> Result<Vec<u64>, String> {
-    let ask = |(aim, rays): &(Aim, Vec<Ray>)| {
+/// Some builders hang on degenerate meshes: then, or where one is so slow, its program is killed.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// How many of the rays of each aim a program misses.
+fn ask(program: &Path, mode: &str, mesh: &Path, aimed: &[(Aim, Vec<Ray>)], place: &Path) -> Result<Vec<u64>, Trouble> {
+    let mut process = Process::start(program, mode, mesh, place.join("answers"), Some(PATIENCE))?;
+    let missed = |(aim, rays): &(Aim, Vec<Ray>)| {
         // A name each: engines keep the file that they cast last.
-        let file = file.with_extension((*aim as usize).to_string());
-        write_rays(&file, rays).map_err(|e| e.to_string())?;
-        let answers = process.answers(Form::Single, Query::Closest, &file).map_err(|trouble| match trouble {
-            Trouble::Absent(why) | Trouble::Failed(why) => why,
-        })?;
+        let file = place.join(format!("rays.{}", *aim as usize));
+        write_rays(&file, rays).map_err(|e| Trouble::Failed(e.to_string()))?;
+        let answers = process.answers(Form::Single, Query::Closest, &file)?;
         Ok(answers.iter().filter(|t| !t.is_finite()).count() as u64)
     };
-    aimed.iter().map(ask).collect()
+    aimed.iter().map(missed).collect()
 }

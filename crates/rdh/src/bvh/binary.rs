@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use super::extent::Extent;
 use super::grown::{Grown, Parts};
-use super::split::{Centres, Search, Split};
+use super::split::{Asked, Centres, Search, Split};
 use crate::error::Result;
 use crate::mem::reserve;
 use crate::options::Watch;
@@ -98,7 +98,7 @@ pub(crate) trait Chooser: Sync {
     fn descend(&self, rays: &Self::Rays, child: &Extent) -> Self::Rays;
 
     /// The cheapest split of a node, unless all centres coincide.
-    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<Self::Rays>) -> Option<Split>;
+    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<Self::Rays>, asked: Asked<'_>) -> Option<Split>;
 }
 
 /// Splits by areas.
@@ -111,8 +111,8 @@ impl Chooser for ByArea {
 
     fn descend(&self, (): &(), _child: &Extent) {}
 
-    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<()>) -> Option<Split> {
-        search.best(primitives, &node.centres)
+    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<()>, asked: Asked<'_>) -> Option<Split> {
+        search.best(primitives, &node.centres, asked)
     }
 }
 
@@ -219,7 +219,7 @@ impl<C: Chooser> Grower<'_, C> {
     fn part(&self, primitives: &mut [Extent], todo: &Node<C::Rays>) -> (usize, [Node<C::Rays>; 2]) {
         // Halving from here on must end within the depth that is left.
         let has_room = todo.depth + halvings(primitives.len(), self.search.leaf) < DEEPEST;
-        let split = if has_room { self.chooser.best(&self.search, primitives, todo) } else { None };
+        let split = if has_room { self.chooser.best(&self.search, primitives, todo, Some(self.watch)) } else { None };
         match split {
             Some(split) => self.part_at(primitives, &split, todo),
             None => self.part_in_the_middle(primitives, todo),

@@ -2,7 +2,7 @@
 
 use super::binary::{Chooser, Node};
 use super::extent::Extent;
-use super::split::{Search, Sides, Split};
+use super::split::{Asked, Search, Sides, Split};
 use crate::geom::Aabb;
 use crate::heuristic::{Heuristic, NodeRays, Ranks, Rdh};
 
@@ -23,9 +23,9 @@ impl Chooser for ByRays<'_> {
         if rays.len() < FEW { NodeRays::default() } else { self.0.descend(rays, &child.bounds()) }
     }
 
-    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<NodeRays>) -> Option<Split> {
+    fn best(&self, search: &Search, primitives: &[Extent], node: &Node<NodeRays>, asked: Asked<'_>) -> Option<Split> {
         if node.rays.len() < FEW {
-            return search.best(primitives, &node.centres);
+            return search.best(primitives, &node.centres, asked);
         }
         let (whole, rays) = (node.extent.half_area(), self.0.ranks(&node.rays));
         search.best_by(primitives, &node.centres, |Sides { lows, highs }, left, right| {

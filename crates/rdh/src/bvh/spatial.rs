@@ -99,7 +99,7 @@ impl<C: Clipper> Grower<'_, C> {
         if todo.depth + halvings(n, self.search.leaf) + 1 >= DEEPEST {
             return self.part_in_the_middle(references, &todo);
         }
-        let object = self.search.best(&references, &todo.centres);
+        let object = self.search.best(&references, &todo.centres, Some(self.watch));
         self.check_between(n)?;
         if let Some(spatial) = self.spatial(&references, &todo, object.as_ref()) {
             self.check_between(n)?;

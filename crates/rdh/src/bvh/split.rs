@@ -6,6 +6,7 @@
 use super::extent::Extent;
 use super::spec::SplitSearch;
 use super::sweep::{self, Place};
+use crate::options::Watch;
 use crate::simd::{Job, Kernels, Level, Portable};
 
 /// The most bins an axis gets.
@@ -154,6 +155,9 @@ pub(crate) fn tests(n: u32) -> f32 {
     0.5 * (((n + 7) >> 3) as i32 as f32 + n as i32 as f32 * 0.125)
 }
 
+/// Who knows whether to go on, if anybody does.
+pub(crate) type Asked<'a> = Option<&'a Watch<'a>>;
+
 /// Finds splits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Search {
@@ -172,10 +176,11 @@ pub(crate) struct Search {
 const CHUNK: usize = 1 << 13;
 
 impl Search {
-    /// The cheapest split, unless all centres coincide. O(n) by bins, O(n log n) by sweeping.
-    pub(crate) fn best(&self, primitives: &[Extent], centres: &Centres) -> Option<Split> {
+    /// The cheapest split, unless all centres coincide. O(n) by bins, O(n log n) by sweeping, which asks whether to go on; if not
+    /// there is no split.
+    pub(crate) fn best(&self, primitives: &[Extent], centres: &Centres, asked: Asked<'_>) -> Option<Split> {
         if self.split == SplitSearch::Sweep {
-            return sweep::best(self.level, self.is_shared(primitives), primitives);
+            return sweep::best(self.level, self.is_shared(primitives), primitives, asked);
         }
         let grid = Grid::over(centres, primitives.len(), self.bins)?;
         if !self.is_shared(primitives) {

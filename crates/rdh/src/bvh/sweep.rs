@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::extent::Extent;
-use super::split::{Border, Split, tests};
+use super::split::{Asked, Border, Split, tests};
 use crate::simd::{Job, Kernels, Level};
 
 /// A primitive's place along an axis: its doubled centre, then its id. No two primitives share one but parts of the same triangle.
@@ -32,9 +32,20 @@ impl Place {
 /// A place, and which of the primitives it belongs to.
 type Ranked = (Place, u32);
 
+/// Sets of more primitives take long enough that it is asked in between whether to go on.
+const ASKED_ABOVE: usize = 1 << 14;
+
 /// The cheapest split of all places on all axes, unless all primitives share one. Equal costs: the first axis, then the first place.
-pub(crate) fn best(level: Level, parallel: bool, primitives: &[Extent]) -> Option<Split> {
+/// Nothing once the work is cancelled, which the watch then knows.
+pub(crate) fn best(level: Level, parallel: bool, primitives: &[Extent], asked: Asked<'_>) -> Option<Split> {
+    let goes_on = || match asked {
+        Some(watch) if primitives.len() > ASKED_ABOVE => watch.check_cancelled().is_ok(),
+        _ => true,
+    };
     let on_axis = |axis| {
+        if !goes_on() {
+            return None;
+        }
         let mut order: Vec<Ranked> = primitives.iter().zip(0..).map(|(p, i)| (Place::of(p, axis), i)).collect();
         // No two are equal: any sort gives the same.
         let compare =
@@ -44,7 +55,7 @@ pub(crate) fn best(level: Level, parallel: bool, primitives: &[Extent]) -> Optio
         } else {
             order.sort_unstable_by(compare)
         }
-        level.run(Sweep { primitives, order: &order, axis })
+        if goes_on() { level.run(Sweep { primitives, order: &order, axis }) } else { None }
     };
     let cheaper = |a: Option<Split>, b: Option<Split>| match (a, b) {
         (Some(a), Some(b)) => Some(if b.cost < a.cost { b } else { a }),
@@ -137,10 +148,10 @@ mod tests {
                     Extent::new(&Aabb { min, max: min.map(|x| x + random() * 0.25) }, id, 0)
                 })
                 .collect();
-            let found = best(Level::best(), n % 2 == 0, &primitives).expect("ids differ");
+            let found = best(Level::best(), n % 2 == 0, &primitives, None).expect("ids differ");
             assert_eq!(found.cost, slowly(&primitives), "{n} boxes");
         }
         let same = Extent::new(&Aabb { min: [0.0; 3], max: [1.0; 3] }, 7, 0);
-        assert!(best(Level::best(), false, &[same, same, same]).is_none());
+        assert!(best(Level::best(), false, &[same, same, same], None).is_none());
     }
 }

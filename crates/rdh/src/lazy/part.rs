@@ -80,7 +80,7 @@ fn halve<C: Chooser>(
     chooser: &C,
 ) -> [Part<C::Rays>; 2] {
     let runs = &mut all[part.range.clone()];
-    let split = if depth < HALVED_FROM { chooser.best(search, runs, &part.todo) } else { None };
+    let split = if depth < HALVED_FROM { chooser.best(search, runs, &part.todo, None) } else { None };
     let (left, sides): (usize, [(Extent, Centres); 2]) = match split {
         Some(split) => {
             let (left, [low, high]) = search.part(runs, &split);

@@ -35,13 +35,14 @@ impl Default for Profile {
 
 impl Profile {
     /// A profile of rays that come from elsewhere, as if a recorder without a limit had seen each as often as its weight
-    /// says: equal rays become one sample, invalid ones are counted, but not kept.
+    /// says: equal rays become one sample, invalid ones are not kept, and counted unless they are said to have hit something.
     pub fn from_samples(samples: Vec<RaySample>, seed: u64) -> Self {
         let hash = RayHash::new(seed, Purpose::Sample);
         let mut tally = Tally::default();
         for s in &samples {
             tally.seen[s.class as usize] += u64::from(s.weight);
-            tally.invalid[s.class as usize] += if s.ray.is_valid() { 0 } else { u64::from(s.weight) };
+            let invalid = s.t_hit.is_none() && !s.ray.is_valid();
+            tally.invalid[s.class as usize] += if invalid { u64::from(s.weight) } else { 0 };
         }
         let sound = samples.into_iter().filter(|s| s.weight > 0 && s.ray.is_valid());
         let mut bottom = BottomK::new(usize::MAX, u64::MAX);

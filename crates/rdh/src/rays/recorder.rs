@@ -75,7 +75,8 @@ impl Recorder {
         self
     }
 
-    /// Records a ray and where it ended. Rays that [can't hit anything](Ray::is_valid) are counted as invalid and not kept.
+    /// Records a ray and where it ended. Rays that [can't hit anything](Ray::is_valid) are not kept, and are counted as invalid
+    /// unless the caller says that they hit something.
     /// A hit that is not at a finite distance counts as none.
     #[inline(always)]
     pub fn record(&self, ray: &Ray, hit: Option<Hit>, query: Query, class: RayClass) {
@@ -84,7 +85,7 @@ impl Recorder {
         // Only this thread writes here. An atomic addition would cost more than all the rest.
         let seen = &slot.seen[class as usize];
         seen.store(seen.load(Relaxed) + 1, Relaxed);
-        if self.stands_out(ray, query, class) {
+        if self.stands_out(ray, t_hit, query, class) {
             self.keep(slot, ray, t_hit, query, class);
         }
     }
@@ -103,10 +104,11 @@ impl Recorder {
         Profile::from_bottom(kept, tally, self.seed, self.capacity)
     }
 
-    /// Whether a ray is in the sample, as far as is known now, or invalid.
+    /// Whether a ray is in the sample, as far as is known now, or invalid. No invalid ray hits anything, so only those that
+    /// missed are looked at.
     #[inline(always)]
-    fn stands_out(&self, ray: &Ray, query: Query, class: RayClass) -> bool {
-        (self.hash.of_sample(ray, query, class) < self.limit.load(Relaxed)) | !is_sound(ray)
+    fn stands_out(&self, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) -> bool {
+        self.hash.of_sample(ray, query, class) < self.limit.load(Relaxed) || t_hit.is_none() && !is_sound(ray)
     }
 
     #[cold]
@@ -115,7 +117,7 @@ impl Recorder {
         slots::lease();
         let slot = self.owned.get(slots::current()).unwrap_or(&self.shared);
         slot.seen[class as usize].fetch_add(1, Relaxed);
-        if self.stands_out(ray, query, class) {
+        if self.stands_out(ray, t_hit, query, class) {
             self.keep(slot, ray, t_hit, query, class);
         }
     }
@@ -124,7 +126,8 @@ impl Recorder {
     #[inline(never)]
     fn keep(&self, slot: &Slot, ray: &Ray, t_hit: Option<f32>, query: Query, class: RayClass) {
         if !is_sound(ray) {
-            slot.invalid[class as usize].fetch_add(1, Relaxed);
+            // Those that are said to have hit get here by their hash alone: counting them would count some of them.
+            slot.invalid[class as usize].fetch_add(u64::from(t_hit.is_none()), Relaxed);
             return;
         }
         let t_hit = t_hit.filter(|t| t.is_finite());

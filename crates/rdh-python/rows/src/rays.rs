@@ -2,13 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use pyo3::prelude::*;
 use rdh::Ray;
 
-use crate::arrays::{Numbers, refuse};
+use crate::Numbers;
 
 /// Rays as rows of numbers, in world coordinates.
-pub(crate) struct RayRows<'a> {
+pub struct RayRows<'a> {
     form: Form<'a>,
     count: usize,
     /// What the scene's `[0, 0, 0]` is in world coordinates; it is subtracted before anything is rounded.
@@ -28,13 +27,13 @@ enum Form<'a> {
 
 impl<'a> RayRows<'a> {
     /// Over rows of six or eight columns.
-    pub(crate) fn rows(numbers: Numbers<'a>, columns: usize, origin: [f64; 3]) -> Self {
-        Self::new(Form::Rows { numbers, columns }, numbers.len() / columns, origin)
+    pub fn rows(numbers: Numbers<'a>, columns: usize, origin: [f64; 3]) -> Self {
+        Self::new(Form::Rows { numbers, columns }, numbers.count() / columns, origin)
     }
 
     /// Over as many origins as directions.
-    pub(crate) fn pairs(origins: Numbers<'a>, directions: Numbers<'a>, origin: [f64; 3]) -> Self {
-        Self::new(Form::Pairs { origins, directions }, origins.len() / 3, origin)
+    pub fn pairs(origins: Numbers<'a>, directions: Numbers<'a>, origin: [f64; 3]) -> Self {
+        Self::new(Form::Pairs { origins, directions }, origins.count() / 3, origin)
     }
 
     fn new(form: Form<'a>, count: usize, origin: [f64; 3]) -> Self {
@@ -43,18 +42,17 @@ impl<'a> RayRows<'a> {
     }
 
     /// The same, but rows without an interval have this one.
-    pub(crate) fn within(self, t_min: f32, t_max: f32) -> Self {
+    pub fn within(self, t_min: f32, t_max: f32) -> Self {
         Self { interval: [t_min, t_max], ..self }
     }
 
     /// How many rays there are.
-    pub(crate) fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.count
     }
 
     /// A ray in the scene's coordinates.
-    #[inline]
-    pub(crate) fn get(&self, index: usize) -> Ray {
+    pub fn get(&self, index: usize) -> Ray {
         match &self.form {
             Form::Rows { numbers: Numbers::F32(all), columns } if self.origin == [0.0; 3] => {
                 let row = &all[index * columns..][..*columns];
@@ -84,29 +82,22 @@ impl<'a> RayRows<'a> {
     }
 
     /// Rays that follow each other, in place of what `rays` holds.
-    #[inline]
-    pub(crate) fn read(&self, first: usize, count: usize, rays: &mut Vec<Ray>) {
+    pub fn read(&self, first: usize, count: usize, rays: &mut Vec<Ray>) {
         rays.clear();
         rays.extend((first..).take(count).map(|index| self.get(index)));
     }
 
     /// A ray's origin and direction in world coordinates, as they were given.
-    pub(crate) fn exact(&self, index: usize) -> ([f64; 3], [f64; 3]) {
+    pub fn exact(&self, index: usize) -> ([f64; 3], [f64; 3]) {
         match &self.form {
             Form::Rows { numbers, columns } => (numbers.triple(index * columns), numbers.triple(index * columns + 3)),
             Form::Pairs { origins, directions } => (origins.triple(3 * index), directions.triple(3 * index)),
         }
     }
 
-    /// Says so if a ray did not fit in 32-bit floats; to be asked when all have been got.
-    ///
-    /// # Errors
-    /// `ValueError` naming the argument and the first such ray.
-    pub(crate) fn check(&self, argument: &str) -> PyResult<()> {
-        match self.too_far.load(Relaxed) {
-            usize::MAX => Ok(()),
-            ray => Err(refuse(argument, format_args!("ray {ray} is beyond the range of 32-bit floats"))),
-        }
+    /// The first ray that did not fit in 32-bit floats; to be asked when all have been got.
+    pub fn too_far(&self) -> Option<usize> {
+        Some(self.too_far.load(Relaxed)).filter(|&ray| ray != usize::MAX)
     }
 
     #[inline]
@@ -129,11 +120,21 @@ fn is_sound(origin: [f64; 3], direction: [f64; 3]) -> bool {
 /// The direction with the length 1; zero and what is not finite stay what they are.
 #[inline]
 fn unit(direction: [f64; 3]) -> [f64; 3] {
+    let square = direction.iter().map(|x| x * x).sum::<f64>();
+    if (1e-200..1e200).contains(&square) {
+        let scale = 1.0 / square.sqrt();
+        return direction.map(|x| x * scale);
+    }
+    unit_of_any_size(direction)
+}
+
+/// Scaled first, so that no square is too small or too large.
+#[cold]
+fn unit_of_any_size(direction: [f64; 3]) -> [f64; 3] {
     let largest = direction.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
         return direction;
     }
-    // Scaled first, so that no square is too small or too large.
     let scaled = direction.map(|x| x / largest);
     let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
     scaled.map(|x| x / length)
