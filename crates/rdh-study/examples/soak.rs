@@ -1,11 +1,12 @@
 //! Casts rays from inside closed meshes until so many are cast; a miss, or another answer than the first structure's, is a failure:
 //! `cargo run --release -p rdh-study --example soak -- [--rays 1e9] [--seed N] [--brute] [--specs LIST] [--scenes DIR] [--json FILE]
-//! [--engines DIR [--engine-rays N]] [--minutes N]`
+//! [--engines DIR [--engine-rays N]] [--minutes N] [--batches 1e7]`
 //!
 //! A ray counts once for each structure and query. With `--brute` the meshes are small, and brute force says what is right. After
 //! `--minutes` it ends with fewer rays: each mesh gets its share of what time is left. The file is written after every mesh. With
 //! `--scenes` those scenes of a folder that are closed are cast at as well. With `--engines` the competitors whose programs are in the
-//! folder (engines/README.md) get rays that are aimed alike. `cargo xtask soak` runs it.
+//! folder (engines/README.md) get rays that are aimed alike. With `--batches` so many rays are cast in each form of batches, through trees
+//! around a point, too; `--rays 0` leaves the others out. `cargo xtask soak` runs it.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,7 +17,9 @@ use rdh::simd::Level;
 use rdh_scene::catalog;
 use rdh_study::identical::FAMILIES;
 use rdh_study::soak::others::{Other, others};
-use rdh_study::soak::{Aim, Closed, Detail, Plan, Tally, closed_meshes, closed_model, soak};
+use rdh_study::soak::{
+    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, closed_model, large_mesh, soak, soak_batches,
+};
 use serde_json::json;
 
 fn main() -> ExitCode {
@@ -37,6 +40,8 @@ struct Wanted {
     engines: Option<PathBuf>,
     engine_rays: usize,
     time: Option<Duration>,
+    /// Of each form.
+    batches: u64,
 }
 
 /// Larger scenes are not looked at: the structures of all kinds would take minutes to build.
@@ -48,7 +53,8 @@ impl Wanted {
         let mut plan = Plan { specs: list(FAMILIES)?, casts: 10_000_000, seed: 1, brute: false };
         // What it chooses is one of the others, and choosing takes as long as building them all.
         plan.specs.retain(|spec| *spec != Spec::AUTO);
-        let mut wanted = Self { plan, scenes: None, json: None, engines: None, engine_rays: 100_000, time: None };
+        let mut wanted =
+            Self { plan, scenes: None, json: None, engines: None, engine_rays: 100_000, time: None, batches: 0 };
         while let Some(argument) = arguments.next() {
             let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
             match &argument[..] {
@@ -60,6 +66,7 @@ impl Wanted {
                 "--json" => wanted.json = Some(value()?.into()),
                 "--engines" => wanted.engines = Some(value()?.into()),
                 "--minutes" => wanted.time = Some(Duration::from_secs(60 * number(&value()?)?)),
+                "--batches" => wanted.batches = number(&value()?)?,
                 "--engine-rays" => wanted.engine_rays = number(&value()?)? as usize,
                 other => return Err(format!("{other} is unknown")),
             }
@@ -72,7 +79,7 @@ impl Wanted {
         let meshes = self.meshes()?;
         let start = Instant::now();
         let (mut total, mut by_mesh) = (Tally::default(), Vec::new());
-        for (i, closed) in meshes.iter().enumerate() {
+        for (i, closed) in meshes.iter().enumerate().filter(|_| self.plan.casts > 0) {
             // What smaller shares have overshot is taken from those to come.
             let share = self.plan.casts.saturating_sub(total.casts) / (meshes.len() - i) as u64;
             let until =
@@ -90,17 +97,44 @@ impl Wanted {
                 total.different,
                 start.elapsed().as_secs_f64()
             );
-            self.write(&total, &by_mesh, &[])?;
+            self.write(&total, &by_mesh, &[], &Batches::default())?;
         }
         self.print(&total, &by_mesh);
+        let batches = self.cast_batches(meshes.clone())?;
         let others = self.others(&meshes)?;
         print_others(&others);
-        self.write(&total, &by_mesh, &others)?;
-        Ok(total.is_clean())
+        self.write(&total, &by_mesh, &others, &batches)?;
+        Ok(total.is_clean() && batches.is_clean())
+    }
+
+    fn cast_batches(&self, mut meshes: Vec<Closed>) -> Result<Batches, String> {
+        let mut all = Batches::default();
+        if self.batches == 0 {
+            return Ok(all);
+        }
+        meshes.push(large_mesh());
+        let share = self.batches.div_ceil(meshes.len() as u64);
+        for (i, closed) in meshes.iter().enumerate() {
+            let one = soak_batches(closed, i, share, self.plan.seed).map_err(|e| format!("{}: {e}", closed.name))?;
+            all = all.plus(one);
+            eprintln!("{}/{} {}: {:?}", i + 1, meshes.len(), closed.name, all.by_form);
+        }
+        println!("\n| batches | casts | missed | other than alone |\n|---|---|---|---|");
+        for (form, [casts, misses, different]) in Form::ALL.iter().zip(all.by_form) {
+            println!("| {} | {casts} | {misses} | {different} |", form.name());
+        }
+        all.faults.iter().for_each(|fault| println!("{fault}"));
+        Ok(all)
     }
 
     /// What is known by now.
-    fn write(&self, total: &Tally, by_mesh: &[(&Closed, Tally)], others: &[Other]) -> Result<(), String> {
+    fn write(
+        &self,
+        total: &Tally,
+        by_mesh: &[(&Closed, Tally)],
+        others: &[Other],
+        batches: &Batches,
+    ) -> Result<(), String> {
         let Some(path) = &self.json else { return Ok(()) };
         let meshes =
             by_mesh.iter().map(|(closed, tally)| json!([closed.name, closed.mesh.len(), tally.casts, tally.misses]));
@@ -109,7 +143,8 @@ impl Wanted {
             "specs": self.plan.specs.iter().map(Spec::to_string).collect::<Vec<_>>(),
             "aims": Aim::ALL.map(Aim::name),
             "levels": Level::available().iter().map(|level| level.name()).collect::<Vec<_>>(),
-            "meshes": meshes.collect::<Vec<_>>(), "others": others,
+            "meshes": meshes.collect::<Vec<_>>(), "others": others, "batches": batches,
+            "forms": Form::ALL.map(Form::name),
         });
         std::fs::write(path, document.to_string()).map_err(|e| format!("{}: {e}", path.display()))
     }

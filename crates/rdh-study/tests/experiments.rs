@@ -91,12 +91,13 @@ fn every_frame_is_paid_for_from_the_mesh_to_the_last_ray() {
     let of = |spec: &'static str| found.rows.iter().filter(move |r| r.spec.to_string() == spec);
     // Two classes in two frames; all but the base stand in two settings.
     assert_eq!(of("kd(split=exact)+sah").count(), 4);
-    for spec in ["bvh8(quick)+sah", "kd+sah", "bvh8(quick,lazy)+sah", "bvh8(lazy)+rdh", "auto"] {
+    for spec in ["bvh8(quick)+sah", "kd+sah", "bvh8(quick,lazy)+sah", "bvh8(lazy)+rdh", "kd(eye)+rdh", "auto"] {
         assert_eq!(of(spec).count(), 8, "{spec}");
         assert!(of(spec).all(|r| r.build_secs > 0.0 && r.nanos_per_ray > 0.0 && r.steps_per_ray > 0.0), "{spec}");
     }
     assert!(of("bvh8(lazy)+rdh").all(|r| r.rrs_secs > 0.0 && r.trained_on > 0));
     assert!(of("bvh8(quick,lazy)+sah").all(|r| r.rrs_secs == 0.0));
+    assert!(of("kd(eye)+rdh").all(|r| r.rrs_secs == 0.0 && r.trained_on > 0));
     // Each candidate is tried once, in order.
     let chosen: Vec<String> = of("auto").step_by(4).filter_map(|r| Some(r.chosen?.to_string())).collect();
     assert_eq!(chosen, ["bvh8(quick,lazy)+sah", "bvh8(quick)+sah"]);

@@ -3,7 +3,7 @@
 use rdh::simd::Level;
 use rdh::{Mesh, Spec};
 use rdh_study::identical::FAMILIES;
-use rdh_study::soak::{Aim, Closed, Detail, Plan, Tally, closed_meshes, soak};
+use rdh_study::soak::{Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, large_mesh, soak, soak_batches};
 
 fn plan(specs: &str, casts: u64, brute: bool) -> Plan {
     let mut specs = Spec::list(specs).expect(specs);
@@ -33,6 +33,24 @@ fn all_agree_with_brute_force() {
     let tally = run(&closed_meshes(Detail::Coarse), &plan(FAMILIES, 3_000_000, true));
     assert_eq!((tally.misses, tally.different, &tally.faults[..]), (0, 0, &[][..]));
     assert!(tally.rays > 50_000, "{}", tally.rays);
+}
+
+#[test]
+fn batches_miss_nothing_that_single_rays_hit() {
+    let meshes: Vec<Closed> = closed_meshes(Detail::Coarse).into_iter().chain([large_mesh()]).collect();
+    let share = 200_000 / meshes.len() as u64;
+    let all = meshes.iter().enumerate().map(|(i, closed)| soak_batches(closed, i, share, 7).expect("it builds"));
+    let batches = all.fold(Batches::default(), Batches::plus);
+    assert!(batches.is_clean(), "{batches:?}");
+    assert!(batches.by_form.iter().all(|[casts, ..]| *casts >= 400_000), "{batches:?}");
+}
+
+#[test]
+fn what_escapes_from_batches_is_counted() {
+    let batches = soak_batches(&leaky(), 0, 300_000, 7).expect("it builds");
+    let [tiles, ..] = batches.by_form;
+    assert!(tiles[1] > 0 && tiles[2] == 0 && !batches.faults.is_empty(), "{batches:?}");
+    assert!(batches.faults[0].contains("icosphere, ") && Form::ALL.len() == batches.by_form.len());
 }
 
 /// A sphere with one triangle missing.

@@ -6,6 +6,7 @@ use serde_json::Value;
 use crate::batch;
 use crate::bvh::{self, Bvh, Shared, Triangles, When, Width};
 use crate::error::{Error, Result};
+use crate::eye::{Around, EyeTree};
 use crate::fault::Fault;
 use crate::geom::{Aabb, Hit, Ray};
 use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
@@ -14,7 +15,7 @@ use crate::lazy::Lazy;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
-use crate::probe::Counts;
+use crate::probe::{Counts, Probe};
 use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
@@ -51,6 +52,7 @@ pub(crate) enum Structure {
     Bvh8(Bvh<8>),
     Compact8(Bvh<8, Shared>),
     Lazy(Lazy),
+    Eye(Around),
 }
 
 /// Does the same with whichever structure it is.
@@ -63,6 +65,7 @@ macro_rules! each {
             Structure::Bvh8($tree) => $work,
             Structure::Compact8($tree) => $work,
             Structure::Lazy($tree) => $work,
+            Structure::Eye($tree) => $work,
         }
     };
 }
@@ -71,7 +74,8 @@ macro_rules! each {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stats {
-    /// What was asked for, in full; what was really built never differs from it. For `auto` this is what it chose.
+    /// What was asked for, in full; what was really built never differs from it. For `auto` this is what it chose, for `kd(eye)` where
+    /// the eye is.
     pub spec: Spec,
     /// Triangles of the mesh.
     pub triangles: usize,
@@ -101,12 +105,24 @@ pub(crate) fn build(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOp
     if spec.needs_rays() && rays.is_empty() {
         return Err(Error::NoRays { spec: spec.to_string() });
     }
-    let structure = match options.threads {
-        None | Some(1) => build_structure(mesh, spec, rays, options)?,
-        Some(threads) => in_pool(threads, || build_structure(mesh, spec, rays, options))?,
-    };
     let trained_on = if spec.needs_rays() { rays.len() } else { 0 };
-    Ok(Accel::of(structure, mesh.clone(), *spec, trained_on))
+    let spec = placed(spec, rays)?;
+    let structure = match options.threads {
+        None | Some(1) => build_structure(mesh, &spec, rays, options)?,
+        // Those who share the work out further do it in this pool.
+        Some(threads) => {
+            in_pool(threads, || build_structure(mesh, &spec, rays, &BuildOptions { threads: None, ..*options }))?
+        }
+    };
+    Ok(Accel::of(structure, mesh.clone(), spec, trained_on))
+}
+
+/// The spec with the eye's place, where rays tell it.
+fn placed(spec: &Spec, rays: &Training) -> Result<Spec> {
+    match spec.structure {
+        StructureSpec::Eye(eye) => Ok(Spec { structure: StructureSpec::Eye(eye.placed(rays)?), ..*spec }),
+        _ => Ok(*spec),
+    }
 }
 
 pub(crate) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
@@ -125,6 +141,7 @@ fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOpt
             Ok(Structure::Kd(KdTree::build(mesh, &kd, heuristic.as_ref(), options)?))
         }
         StructureSpec::Auto => Err(nameless(spec)),
+        StructureSpec::Eye(eye) => Ok(Structure::Eye(Around::new(eye.build(mesh, spec.heuristic, rays, options)?))),
         StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand => {
             let rays = match &spec.heuristic {
                 HeuristicSpec::Sah => None,
@@ -157,10 +174,15 @@ pub(crate) fn unknown_form(spec: &Spec) -> Error {
     Error::Spec { spec: spec.to_string(), reason: "shared triangles are for eight children a node".to_owned() }
 }
 
-/// For a structure that is never finished.
+/// For a structure that is never finished, and for one that is soon built anew.
 pub(crate) fn unsaved(spec: &Spec) -> Error {
-    let reason = "what grows where rays come is not saved: build it again, or save one without 'lazy'".to_owned();
-    Error::Spec { spec: spec.to_string(), reason }
+    let reason = match spec.structure {
+        StructureSpec::Eye(_) => {
+            "trees around a point are not saved: save the structure for all other rays, and build them again"
+        }
+        _ => "what grows where rays come is not saved: build it again, or save one without 'lazy'",
+    };
+    Error::Spec { spec: spec.to_string(), reason: reason.to_owned() }
 }
 
 /// For a spec that leaves the choice open.
@@ -178,13 +200,13 @@ impl Accel {
     /// The nearest hit; of equally near ones that with the smallest triangle id.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        each!(&self.structure, tree => tree.closest(ray, &mut ()))
+        self.closest_probed(ray, &mut ())
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        each!(&self.structure, tree => tree.occluded(ray, &mut ()))
+        self.occluded_probed(ray, &mut ())
     }
 
     /// [`Self::closest`] of each ray, bit for bit, in its place in `hits`: much faster where neighbours in the batch are alike, and
@@ -195,11 +217,7 @@ impl Accel {
     /// # Panics
     /// If there are not as many `hits` as `rays`.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        batch::cast(rays, hits, |rays, hits, width| match &self.structure {
-            Structure::Bvh8(tree) => tree.closest_part(rays, hits, width),
-            Structure::Compact8(tree) => tree.closest_part(rays, hits, width),
-            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray)),
-        });
+        batch::cast(rays, hits, |rays, hits, width| self.closest_part(rays, hits, width));
     }
 
     /// [`Self::occluded`] of each ray, as [`Self::closest_many`].
@@ -207,17 +225,51 @@ impl Accel {
     /// # Panics
     /// If there are not as many answers as `rays`.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        batch::cast(rays, occluded, |rays, occluded, width| match &self.structure {
+        batch::cast(rays, occluded, |rays, occluded, width| self.occluded_part(rays, occluded, width));
+    }
+
+    /// [`Self::closest_many`] on this thread; `width` is how many rays a row has, if they are whole rows of a picture.
+    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
+        match &self.structure {
+            Structure::Bvh8(tree) => tree.closest_part(rays, hits, width),
+            Structure::Compact8(tree) => tree.closest_part(rays, hits, width),
+            Structure::Eye(around) => around.tree().closest_part(rays, hits, width),
+            _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray)),
+        }
+    }
+
+    /// [`Self::occluded_many`], likewise.
+    pub(crate) fn occluded_part(&self, rays: &[Ray], occluded: &mut [bool], width: Option<usize>) {
+        match &self.structure {
             Structure::Bvh8(tree) => tree.occluded_part(rays, occluded, width),
             Structure::Compact8(tree) => tree.occluded_part(rays, occluded, width),
+            Structure::Eye(around) => around.tree().occluded_part(rays, occluded, width),
             _ => rays.iter().zip(occluded).for_each(|(ray, is)| *is = self.occluded(ray)),
-        });
+        }
+    }
+
+    /// [`Self::closest`], seen by a probe.
+    #[inline]
+    pub(crate) fn closest_probed<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        each!(&self.structure, tree => tree.closest(ray, probe))
+    }
+
+    /// [`Self::occluded`], seen by a probe.
+    #[inline]
+    pub(crate) fn occluded_probed<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
+        each!(&self.structure, tree => tree.occluded(ray, probe))
+    }
+
+    /// [`Self::all_hits`], seen by a probe.
+    #[inline]
+    pub(crate) fn all_hits_probed<P: Probe>(&self, ray: &Ray, probe: &mut P, hits: &mut Vec<Hit>) {
+        each!(&self.structure, tree => tree.all_hits(ray, probe, hits));
     }
 
     /// All hits, nearest first, then by id; each shared edge counts for exactly one of its triangles.
     /// `hits` is cleared first; passing the same vector again saves allocations.
     pub fn all_hits(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        each!(&self.structure, tree => tree.all_hits(ray, &mut (), hits));
+        self.all_hits_probed(ray, &mut (), hits);
     }
 
     /// The nearest hit that `passes`: for cut-outs, and for what a ray must not see. It is asked about hits in any order, about
@@ -235,17 +287,17 @@ impl Accel {
 
     /// [`Self::closest`], and what it cost, added to `counts`.
     pub fn closest_counted(&self, ray: &Ray, counts: &mut Counts) -> Option<Hit> {
-        each!(&self.structure, tree => tree.closest(ray, counts))
+        self.closest_probed(ray, counts)
     }
 
     /// [`Self::occluded`], and what it cost, added to `counts`.
     pub fn occluded_counted(&self, ray: &Ray, counts: &mut Counts) -> bool {
-        each!(&self.structure, tree => tree.occluded(ray, counts))
+        self.occluded_probed(ray, counts)
     }
 
     /// [`Self::all_hits`], and what it cost, added to `counts`.
     pub fn all_hits_counted(&self, ray: &Ray, hits: &mut Vec<Hit>, counts: &mut Counts) {
-        each!(&self.structure, tree => tree.all_hits(ray, counts, hits));
+        self.all_hits_probed(ray, counts, hits);
     }
 
     /// What was built; of a lazy structure, what had been when the build ended ([`Lazy::growth`] says how it is now).
@@ -278,9 +330,22 @@ impl Accel {
         each!(&self.structure, tree => tree.bounds())
     }
 
-    /// Visits the structure's leaf cells: box, depth, triangles.
+    /// Visits the structure's leaf cells: box, depth, triangles. Trees around a point have cells of a picture; those of the structure for
+    /// all other rays are shown instead.
     pub fn cells(&self, visit: &mut dyn FnMut(Aabb, usize, usize)) {
-        each!(&self.structure, tree => tree.cells(&mut |cell, depth, ids| visit(cell, depth, ids.len())));
+        self.cells_with_ids(&mut |cell, depth, ids| visit(cell, depth, ids.len()));
+    }
+
+    pub(crate) fn cells_with_ids(&self, visit: &mut dyn FnMut(Aabb, usize, &[u32])) {
+        each!(&self.structure, tree => tree.cells(visit));
+    }
+
+    /// The trees around an eye, if it has such: for those who look at their size, or want the structure for all other rays.
+    pub fn eye_tree(&self) -> Option<&EyeTree> {
+        match &self.structure {
+            Structure::Eye(around) => Some(around.tree()),
+            _ => None,
+        }
     }
 
     /// The kd-tree, if it is one: for those who study its nodes.
@@ -313,6 +378,7 @@ impl Accel {
             Structure::Bvh8(tree) => Structure::Bvh8(tree.with_level(level)),
             Structure::Compact8(tree) => Structure::Compact8(tree.with_level(level)),
             Structure::Lazy(tree) => Structure::Lazy(tree.with_level(level)),
+            Structure::Eye(around) => Structure::Eye(around.with_level(level)),
         };
         Self { structure, ..self }
     }
@@ -327,8 +393,8 @@ impl Structure {
     /// Its arrays, to be saved.
     pub(crate) fn parts(&self) -> Vec<Written<'_>> {
         match self {
-            // It is refused before.
-            Self::Lazy(_) => Vec::new(),
+            // They are refused before.
+            Self::Lazy(_) | Self::Eye(_) => Vec::new(),
             Self::Kd(tree) => tree.parts(),
             Self::Bvh2(tree) => tree.parts(),
             Self::Bvh4(tree) => tree.parts(),
@@ -341,6 +407,7 @@ impl Structure {
     pub(crate) fn from_parts(spec: &Spec, parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         Ok(match spec.structure {
             StructureSpec::Auto => return Err(nameless(spec)),
+            StructureSpec::Eye(_) => return Err(unsaved(spec)),
             StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand => return Err(unsaved(spec)),
             StructureSpec::Kd(_) => Self::Kd(KdTree::from_parts(parts, mesh)?),
             StructureSpec::Bvh(bvh) => match (bvh.width, bvh.triangles) {
@@ -364,6 +431,7 @@ impl Structure {
             Self::Bvh8(tree) => bvh_stats(tree.tally()),
             Self::Compact8(tree) => bvh_stats(tree.tally()),
             Self::Lazy(tree) => lazy_stats(tree.growth()),
+            Self::Eye(around) => around.shape(),
         };
         let bytes = each!(self, tree => tree.bytes());
         Stats { spec: *spec, triangles: mesh.len(), nodes, leaves, empty_leaves, references, depth, bytes, trained_on }

@@ -2,7 +2,7 @@
 //!
 //! `kd+sah`, `kd(leaf=1,split=exact)+rdh(prior=32)`, `kd+rdh(paper)`: defaults are omitted, either part may come
 //! first, a missing part is its default. An unknown name or parameter is an error that lists the known ones. `auto` stands alone:
-//! what suits the rays, chosen by [`tune`](crate::tune()).
+//! what suits the rays, chosen by [`tune`](crate::tune()). `kd(eye=1,2,3)+sah` is for the rays from a point.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,6 +11,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::bvh::{self, BvhSpec, Effort, Splitter, Triangles, When, Width};
 use crate::error::{Error, Result};
+use crate::eye::{EyeForm, EyeSpec};
+use crate::geom::Vec3;
 use crate::heuristic::{Blend, By, HeuristicSpec, RayExtent, RdhSpec, Stages};
 use crate::kd::{KdSpec, LeafWidth, Prune, SplitSearch, Stop};
 
@@ -30,6 +32,8 @@ pub enum StructureSpec {
     Kd(KdSpec),
     /// A bounding volume hierarchy.
     Bvh(BvhSpec),
+    /// Kd-trees in the perspective space of a point, for the rays through it, and a hierarchy for all others.
+    Eye(EyeSpec),
     /// Whichever suits the rays. Only [`Spec::AUTO`] has it; a finished structure is never of this kind.
     Auto,
 }
@@ -44,9 +48,14 @@ impl Spec {
     /// `auto`: structure and heuristic are chosen by the rays.
     pub const AUTO: Self = Self { structure: StructureSpec::Auto, heuristic: HeuristicSpec::Sah };
 
-    /// Whether the heuristic, or the choice, needs a profile.
+    /// Whether the heuristic, the choice, or an eye whose place is left open needs a profile.
     pub fn needs_rays(&self) -> bool {
-        self.structure == StructureSpec::Auto || matches!(self.heuristic, HeuristicSpec::Rdh(_))
+        let open = match self.structure {
+            StructureSpec::Auto => true,
+            StructureSpec::Eye(eye) => eye.place.is_none(),
+            _ => false,
+        };
+        open || matches!(self.heuristic, HeuristicSpec::Rdh(_))
     }
 
     /// Refuses parts that don't go together.
@@ -63,6 +72,9 @@ impl Spec {
             }
             StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand && !bvh.can_be_lazy() => {
                 "lazy is for bvh8, alone or with quick or high".to_owned()
+            }
+            StructureSpec::Eye(EyeSpec { place: None, form: EyeForm::Towards }) => {
+                "rays don't tell where their light is: light=X,Y,Z".to_owned()
             }
             StructureSpec::Kd(_) if stages != Stages::default() => {
                 format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
@@ -93,6 +105,9 @@ impl FromStr for Spec {
         for part in split_outside_brackets(text, '+') {
             let part = Part::parse(part).map_err(fail)?;
             match part.name {
+                "kd" if is_eye(&part) => {
+                    set_once(&mut structure, StructureSpec::Eye(parse_eye(&part).map_err(fail)?), "structure")
+                }
                 "kd" => set_once(&mut structure, StructureSpec::Kd(parse_kd(&part).map_err(fail)?), "structure"),
                 "bvh2" | "bvh4" | "bvh8" | "sbvh2" | "sbvh4" | "sbvh8" => {
                     set_once(&mut structure, StructureSpec::Bvh(parse_bvh(&part).map_err(fail)?), "structure")
@@ -116,6 +131,7 @@ impl fmt::Display for Spec {
             StructureSpec::Auto => return f.write_str("auto"),
             StructureSpec::Kd(kd) => write!(f, "kd{}+", brackets(&kd_parameters(kd)))?,
             StructureSpec::Bvh(bvh) => write!(f, "{}{}+", bvh_name(bvh), brackets(&bvh_parameters(bvh)))?,
+            StructureSpec::Eye(eye) => write!(f, "kd({})+", eye_parameter(eye))?,
         }
         match &self.heuristic {
             HeuristicSpec::Sah => write!(f, "sah"),
@@ -159,7 +175,8 @@ fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
                 return Err(unknown(
                     "kd",
                     key,
-                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST, compact",
+                    "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST, compact; or alone \
+                     eye, eye=X,Y,Z or light=X,Y,Z",
                 ));
             }
         }
@@ -219,6 +236,34 @@ fn parse_bvh(part: &Part<'_>) -> Result<BvhSpec, String> {
         }
     }
     Ok(bvh)
+}
+
+/// What the parameters of trees around a point are called.
+const EYE: &str = "eye";
+const LIGHT: &str = "light";
+
+fn is_eye(part: &Part<'_>) -> bool {
+    part.parameters.iter().any(|(key, _)| [EYE, LIGHT].contains(key))
+}
+
+fn parse_eye(part: &Part<'_>) -> Result<EyeSpec, String> {
+    let &[(key, value)] = &part.parameters[..] else {
+        return Err(format!("{EYE} and {LIGHT} stand alone: trees around a point have no other parameters"));
+    };
+    let form = if key == LIGHT { EyeForm::Towards } else { EyeForm::From };
+    let place = if value.is_empty() { None } else { Some(place(key, value)?) };
+    Ok(EyeSpec { place, form })
+}
+
+fn place(key: &str, value: &str) -> Result<Vec3, String> {
+    let numbers = value.split(',').map(|x| x.trim().parse().ok().filter(|x: &f32| x.is_finite()));
+    let place = numbers.collect::<Option<Vec<f32>>>().and_then(|numbers| numbers.try_into().ok());
+    place.ok_or_else(|| format!("{key}={value}: three finite numbers are needed, {key}=X,Y,Z"))
+}
+
+fn eye_parameter(eye: &EyeSpec) -> String {
+    let name = if eye.form == EyeForm::Towards { LIGHT } else { EYE };
+    eye.place.map_or_else(|| name.to_owned(), |[x, y, z]| format!("{name}={x},{y},{z}"))
 }
 
 fn bvh_name(bvh: &BvhSpec) -> &'static str {
@@ -328,7 +373,7 @@ impl<'a> Part<'a> {
         };
         let inner = rest.strip_suffix(')').ok_or_else(|| format!("'{text}' lacks its closing bracket"))?;
         let pair = |p: &'a str| p.split_once('=').map_or((p.trim(), ""), |(k, v)| (k.trim(), v.trim()));
-        let parameters: Vec<_> = inner.split(',').filter(|p| !p.trim().is_empty()).map(pair).collect();
+        let parameters: Vec<_> = split_before_names(inner).filter(|p| !p.trim().is_empty()).map(pair).collect();
         let twice = parameters.iter().enumerate().find(|(i, (key, _))| parameters[..*i].iter().any(|(k, _)| k == key));
         if let Some((_, (key, _))) = twice {
             return Err(format!("'{key}' is given twice"));
@@ -362,6 +407,19 @@ fn unknown(name: &str, key: &str, known: &str) -> String {
 
 fn brackets(parameters: &[String]) -> String {
     if parameters.is_empty() { String::new() } else { format!("({})", parameters.join(",")) }
+}
+
+/// Splits at commas, but not before a number, which belongs to the value before it: `a,b=1,2,3`.
+fn split_before_names(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = Some(text);
+    std::iter::from_fn(move || {
+        let text = rest?;
+        let is_number = |part: &str| part.trim().starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        let mut commas = text.match_indices(',').map(|(i, _)| i);
+        let comma = commas.find(|&i| !is_number(text[i + 1..].split(',').next().unwrap_or_default()));
+        rest = comma.map(|i| &text[i + 1..]);
+        Some(comma.map_or(text, |i| &text[..i]))
+    })
 }
 
 fn split_outside_brackets(text: &str, separator: char) -> Vec<&str> {
@@ -407,6 +465,9 @@ mod tests {
             ("sbvh8(compact,quick)", "sbvh8(quick,compact)+sah"),
             ("bvh8(lazy,quick)", "bvh8(quick,lazy)+sah"),
             ("bvh8(lazy)+rdh", "bvh8(lazy)+rdh"),
+            ("kd(eye)", "kd(eye)+sah"),
+            ("kd(eye=1.50, -2,3e2)+rdh", "kd(eye=1.5,-2,300)+rdh"),
+            ("sah+kd(light=-0,.5,1e-7)", "kd(light=-0,0.5,0.0000001)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
             ("kd+rdh(paper,weight=0)", "kd+rdh(paper,weight=0)"),
             ("kd+rdh(cap=100,paper)", "kd+rdh(paper,cap=100)"),
@@ -433,6 +494,15 @@ mod tests {
             "bvh8(lazy,split=sweep)",
             "bvh8(lazy=yes)",
             "kd(compact=2)",
+            "kd(eye=1,2)",
+            "kd(eye=1,2,3,4)",
+            "kd(eye=1,2,x)",
+            "kd(eye=1,2,inf)",
+            "kd(eye=1,2,3,leaf=8)",
+            "kd(eye,light=1,2,3)",
+            "kd(light)",
+            "bvh8(eye)",
+            "kd(leaf=8,1)",
             "kd(compact,idle=0.1)",
             "sbvh8(from=kd)",
             "bvh8(quick,high)",
@@ -460,7 +530,7 @@ mod tests {
 
     #[test]
     fn commas_in_brackets_do_not_separate_specs() {
-        let list = Spec::list("kd+sah,kd(leaf=1,split=exact)+rdh(paper),kd+rdh").unwrap();
-        assert_eq!(list.len(), 3);
+        let list = Spec::list("kd+sah,kd(leaf=1,split=exact)+rdh(paper),kd(eye=1,2,3),kd+rdh").unwrap();
+        assert_eq!(list.len(), 4);
     }
 }

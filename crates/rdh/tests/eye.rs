@@ -2,7 +2,11 @@
 
 use rdh::eye::{EyeForm, EyeOptions, EyeTree};
 use rdh::simd::Level;
-use rdh::{Accel, BuildOptions, Error, Hit, Mesh, Query, Ray, RayClass, RaySample, Spec, Training, TriId, Vec3, naive};
+use rdh::tune::Measure;
+use rdh::{
+    Accel, BuildOptions, Counts, Error, HeldOut, Hit, Mesh, Query, Ray, RayClass, RaySample, Spec, Training, TriId,
+    TuneOptions, Vec3, naive,
+};
 
 /// Numbers from −1 to 1 that repeat.
 fn random(seed: u64) -> impl FnMut() -> f32 {
@@ -324,4 +328,95 @@ fn bad_input_is_refused() {
     let cancel = || true;
     let cancelled = BuildOptions { cancel: Some(&cancel), ..BuildOptions::default() };
     assert!(matches!(build([0.0; 3], &cancelled), Err(Error::Cancelled)));
+}
+
+/// A part of a picture from an eye, and a few rays from elsewhere.
+fn profile(mesh: &Mesh, eye: Vec3) -> Training {
+    let rays = rays_from(mesh, eye, 3)
+        .into_iter()
+        .step_by(3)
+        .chain(rays_from(mesh, [0.5, -0.25, 0.125], 4).into_iter().step_by(9));
+    let sample = |ray: Ray| RaySample::new(ray, naive::closest(mesh, &ray), Query::Closest, RayClass::Primary);
+    Training::from_samples(rays.map(sample).collect())
+}
+
+#[test]
+fn a_spec_names_them_and_they_are_structures_like_others() {
+    let (mesh, eye) = (scene(1.0, 0.0), [0.1, 0.2, 0.3]);
+    let training = profile(&mesh, eye);
+    let build = |text: &str| {
+        let spec: Spec = text.parse().expect(text);
+        rdh::build(&mesh, &spec, &training, &BuildOptions::default()).expect(text)
+    };
+    for (text, placed) in [
+        ("kd(eye)", "kd(eye=0.1,0.2,0.3)+sah"),
+        ("kd(eye)+rdh", "kd(eye=0.1,0.2,0.3)+rdh"),
+        ("kd(light=0.1,0.2,0.3)", "kd(light=0.1,0.2,0.3)+sah"),
+    ] {
+        let accel = build(text);
+        assert_eq!(accel.stats().spec.to_string(), placed);
+        assert_eq!(accel.check(&mesh), vec![]);
+        let tree = accel.eye_tree().expect(text);
+        let world = tree.world();
+        assert_eq!(world.stats().spec.to_string(), placed.replace(&placed[..placed.find(')').unwrap() + 1], "bvh8"));
+        assert_eq!(accel.stats().bytes, world.stats().bytes + tree.stats().bytes);
+        assert_eq!(accel.stats().references, world.stats().references + tree.stats().references);
+        // They come to the same by themselves.
+        let same = Accel::from(tree.clone());
+        assert_eq!((same.fingerprint(), same.stats().bytes), (accel.fingerprint(), accel.stats().bytes));
+        // Mixed: rays from the eye, to it, and others, in runs of all lengths.
+        let (from, to) = (rays_from(&mesh, eye, 1), rays_to(&mesh, eye, 1));
+        let others = rays_from(&mesh, [0.5, -0.25, 0.125], 2);
+        let mixed: Vec<Ray> = [&from[..1100], &to[..700], &others[..900]].concat();
+        let mixed: Vec<Ray> =
+            mixed.iter().copied().chain((0..600).flat_map(|i| [from[i], others[i], to[i % to.len()]])).collect();
+        let (mut hits, mut found, mut all) = (vec![None; mixed.len()], vec![false; mixed.len()], Vec::new());
+        accel.closest_many(&mixed, &mut hits);
+        accel.occluded_many(&mixed, &mut found);
+        for (i, ray) in mixed.iter().enumerate() {
+            let right = naive::closest(&mesh, ray);
+            assert!(hits[i] == right && accel.closest(ray) == right, "{text}, {ray:?}");
+            assert!(found[i] == right.is_some() && accel.occluded(ray) == right.is_some(), "{text}, {ray:?}");
+            accel.all_hits(ray, &mut all);
+            assert!(all == naive::all_hits(&mesh, ray), "{text}, {ray:?}");
+            assert_eq!(
+                accel.closest_where(ray, |hit| hit.tri.0 % 2 == 0),
+                world.closest_where(ray, |hit| hit.tri.0 % 2 == 0)
+            );
+        }
+        let refused = accel.to_bytes().expect_err("they are not saved").to_string();
+        assert!(refused.contains(placed) && refused.contains("not saved"), "{refused}");
+    }
+}
+
+#[test]
+fn an_eye_that_rays_do_not_tell_is_an_error() {
+    let mesh = scene(1.0, 0.0);
+    let build = |text: &str, rays: &Training| {
+        let spec: Spec = text.parse().expect(text);
+        rdh::build(&mesh, &spec, rays, &BuildOptions::default()).map(|accel| accel.stats().spec)
+    };
+    assert!(matches!(build("kd(eye)", &Training::none()), Err(Error::NoRays { .. })));
+    let apart = (0..50).map(|i| Ray::new([i as f32, 0.0, 0.0], [0.0, 1.0, 0.0]));
+    let apart = apart.map(|ray| RaySample::new(ray, None, Query::Closest, RayClass::Bounce)).collect();
+    let error = build("kd(eye)", &Training::from_samples(apart)).expect_err("there is no such point").to_string();
+    assert!(error.contains("no two of the training rays start at one point"), "{error}");
+}
+
+#[test]
+fn counts_tell_what_they_visit_and_tune_tries_them() {
+    let (mesh, eye) = (scene(1.0, 0.0), [0.1, 0.2, 0.3]);
+    let training = profile(&mesh, eye);
+    let mut counts = Counts::default();
+    let accel = rdh::build(&mesh, &"kd(eye)+rdh".parse().unwrap(), &training, &BuildOptions::default()).unwrap();
+    for sample in training.samples() {
+        accel.closest_counted(&sample.ray, &mut counts);
+    }
+    let rays = training.len() as u64;
+    assert!(counts.leaves >= rays && counts.interiors > rays && counts.tests > rays / 2, "{counts:?}");
+    let held_out = HeldOut::from_samples(training.samples().to_vec());
+    let candidates = Spec::list("bvh8+sah,kd(eye)+rdh").unwrap();
+    let tuned = rdh::tune(&mesh, &candidates, &training, &held_out, &TuneOptions::default(), None).unwrap();
+    let trial = tuned.evidence.trials.iter().find(|trial| trial.spec == candidates[1]).expect("it is tried");
+    assert!(trial.nanos_per_ray(Measure::Counts).is_some_and(|nanos| nanos > 0.0), "{trial:?}");
 }

@@ -44,7 +44,10 @@ fn batches_answer_as_single_rays_do() {
     const SIZES: [usize; 9] = [0, 1, 7, 63, 64, 65, 200, 1000, 5000];
     let meshes = nasty().into_iter().map(|(name, mesh)| (name, mesh, [0.1, 0.2, 0.3])).chain(closed());
     for (name, mesh, inside) in meshes {
-        for spec in ["bvh8+sah", "bvh8(high)+sah", "sbvh8+sah", "bvh8(compact)+sah", "bvh8+rdh", "bvh4+sah", "kd+sah"] {
+        let [x, y, z] = inside;
+        let around = ["eye", "light"].map(|name| format!("kd({name}={x},{y},{z})+sah"));
+        let specs = ["bvh8+sah", "bvh8(high)+sah", "sbvh8+sah", "bvh8(compact)+sah", "bvh8+rdh", "bvh4+sah", "kd+sah"];
+        for spec in specs.into_iter().chain(around.iter().map(String::as_str)) {
             let accel = build_spec(&mesh, spec);
             for (seed, size) in SIZES.into_iter().enumerate() {
                 let rays = batch(&mesh, inside, size, seed as u64);

@@ -71,7 +71,7 @@ fn every_structure_is_read_as_it_was_written() {
     for (i, (name, mesh)) in meshes.enumerate() {
         let mesh = if i % 2 == 0 { mesh } else { masked(mesh) };
         let rays = mixed(&mesh, 60, 5);
-        for spec in SPECS.iter().filter(|spec| !spec.contains("lazy")) {
+        for spec in SPECS.iter().filter(|spec| !["lazy", "eye", "light"].iter().any(|name| spec.contains(name))) {
             let what = format!("{name}, {spec}");
             let settings = json!({ "scene": name, "view": [1, 2.5, null] });
             let evidence = Some(json!([{ "ratio": 0.8 }]));

@@ -233,7 +233,11 @@ fn lanes<'o>(
 ) -> Vec<Lane<'o>> {
     let mut lanes: Vec<_> = ours.iter().map(Lane::ours).collect();
     // Others cast their batches ray by ray.
-    let has_tiles = |ours: &&Ours| matches!(ours.accel.stats().spec.structure, StructureSpec::Bvh(bvh) if bvh.width == Width::Eight);
+    let has_tiles = |ours: &&Ours| match ours.accel.stats().spec.structure {
+        StructureSpec::Bvh(bvh) => bvh.width == Width::Eight,
+        StructureSpec::Eye(_) => true,
+        _ => false,
+    };
     lanes.extend(pool.iter().flat_map(|pool| ours.iter().filter(has_tiles).map(|ours| Lane::batch(ours, pool))));
     lanes.extend(twins.iter().map(|pair| Lane::twin(pair.name, pair.original, &pair.twin)));
     for engine in field {

@@ -96,7 +96,7 @@ impl<'a> Range<'a> {
 
     /// Mostly any vertex alike. One of a triangle is often one where thousands of needles meet, and a ray there, which is tested
     /// against all of them, takes as long as thousands of others: these are every eighth.
-    fn vertex(&self, random: &mut Random) -> Vec3 {
+    pub(super) fn vertex(&self, random: &mut Random) -> Vec3 {
         if random.below(8) == 0 {
             return self.corners(random)[random.below(3)];
         }
@@ -104,7 +104,7 @@ impl<'a> Range<'a> {
         positions[random.below(positions.len())]
     }
 
-    fn point_of_edge(&self, random: &mut Random) -> Vec3 {
+    pub(super) fn point_of_edge(&self, random: &mut Random) -> Vec3 {
         let (corners, first, part) = (self.corners(random), random.below(3), random.unit());
         let (p, q) = (corners[first], corners[(first + 1) % 3]);
         [0, 1, 2].map(|a| (f64::from(p[a]) + part * (f64::from(q[a]) - f64::from(p[a]))) as f32)
@@ -152,7 +152,7 @@ fn half_width(ball: &Ball) -> f32 {
 }
 
 /// A point of the cube in a ball; sometimes its centre.
-fn start(ball: &Ball, random: &mut Random) -> Vec3 {
+pub(super) fn start(ball: &Ball, random: &mut Random) -> Vec3 {
     match random.below(4) {
         0 => ball.centre,
         _ => ball.centre.map(|x| x + between(-half_width(ball), half_width(ball), random)),
@@ -210,6 +210,6 @@ fn zero(random: &mut Random) -> f32 {
     if random.below(2) == 0 { 0.0 } else { -0.0 }
 }
 
-fn between(low: f32, high: f32, random: &mut Random) -> f32 {
+pub(super) fn between(low: f32, high: f32, random: &mut Random) -> f32 {
     low + (high - low) * random.unit() as f32
 }

@@ -53,6 +53,12 @@ pub fn closed_meshes(detail: Detail) -> Vec<Closed> {
     shapes.iter().flat_map(|shape| PLACES.map(|(place, scale, to)| shape.moved(place, scale, to))).collect()
 }
 
+/// A sphere whose structures are larger than caches: batches of rays without order take turns there.
+pub fn large_mesh() -> Closed {
+    let inside = vec![Ball { centre: [0.13, -0.07, 0.21], radius: 0.5 }];
+    Closed { name: "large icosphere".to_owned(), mesh: icosphere(7), inside }
+}
+
 fn shapes(detail: Detail) -> Vec<Closed> {
     let pick = |coarse, fine| if detail == Detail::Coarse { coarse } else { fine };
     let ball = |centre, radius| vec![Ball { centre, radius }];

@@ -4,12 +4,14 @@
 //! ```text
 //!  mod      the work, and what comes of it
 //!  others   what other libraries miss
+//!  batches  rays that are cast together
 //!  aim      how rays are aimed
 //!  closed   meshes, and where inside of them rays start
 //!  solid    one of the meshes
 //! ```
 
 mod aim;
+mod batches;
 mod closed;
 pub mod others;
 mod solid;
@@ -24,7 +26,8 @@ use serde::{Deserialize, Serialize};
 use crate::integrate::{Random, derived_seed};
 pub use aim::Aim;
 use aim::Range;
-pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed};
+pub use batches::{Batches, Form, soak_batches};
+pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed, large_mesh};
 
 /// What is to be done.
 #[derive(Debug, Clone)]

@@ -10,26 +10,32 @@ pub struct Cost {
 }
 
 /// What is known of some candidates from earlier frames. A candidate is known by having been used: each gets one frame first, in order,
-/// so that what is found out is paid for; then the cheapest is used, and learnt anew with every frame.
+/// so that what is found out is paid for; then the cheapest is used, and learnt anew with every frame. One that surely takes longer than
+/// a known one is not tried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
     known: Vec<Option<Cost>>,
+    /// Seconds that each takes at least.
+    least: Vec<f64>,
 }
 
 impl Choice {
     /// Among so many candidates, at least one, of which nothing is known.
     pub fn among(candidates: usize) -> Self {
-        Self { known: vec![None; candidates.max(1)] }
+        Self::with_least(vec![0.0; candidates.max(1)])
+    }
+
+    /// Among as many candidates as there are numbers, at least one: seconds that a frame takes with each at least.
+    pub fn with_least(least: Vec<f64>) -> Self {
+        Self { known: vec![None; least.len()], least }
     }
 
     /// Which candidate is to be used for a frame of so many rays.
     pub fn next(&self, rays: u64) -> usize {
-        if let Some(unknown) = self.known.iter().position(Option::is_none) {
-            return unknown;
-        }
-        let secs = |cost: &Option<Cost>| cost.map_or(f64::INFINITY, |c| c.secs(rays));
-        let cheapest = (0..self.known.len()).min_by(|&a, &b| secs(&self.known[a]).total_cmp(&secs(&self.known[b])));
-        cheapest.unwrap_or(0)
+        let secs = |i: usize| self.known[i].map_or(f64::INFINITY, |cost| cost.secs(rays));
+        let cheapest = (0..self.known.len()).min_by(|&a, &b| secs(a).total_cmp(&secs(b))).unwrap_or(0);
+        let may_pay = |i: &usize| self.known[*i].is_none() && self.least[*i] < secs(cheapest);
+        (0..self.known.len()).find(may_pay).unwrap_or(cheapest)
     }
 
     /// Learns what a frame has cost with a candidate.
@@ -66,5 +72,15 @@ mod tests {
         // The scene has opened: everything is reached.
         choice.learn(1, Cost { before_secs: 0.1, nanos_per_ray: 2000.0 });
         assert_eq!(choice.next(1_000_000), 0);
+    }
+
+    #[test]
+    fn what_surely_takes_longer_is_not_tried() {
+        let mut choice = Choice::with_least(vec![0.0, 0.2]);
+        assert_eq!(choice.next(1_000_000), 0);
+        choice.learn(0, Cost { before_secs: 0.0, nanos_per_ray: 100.0 });
+        assert_eq!(choice.next(1_000_000), 0);
+        // There are more rays: it may pay now.
+        assert_eq!(choice.next(3_000_000), 1);
     }
 }

@@ -21,9 +21,32 @@ const ROWS: usize = 8;
 /// # Panics
 /// If there are not as many answers as rays.
 pub(crate) fn cast<A: Send>(rays: &[Ray], answers: &mut [A], cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync) {
-    assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
     let rows = rows::find(rays);
     let (width, lead) = rows.map_or((None, 0), |rows| (Some(rows.width), rows.lead));
+    share(rays, answers, (width, lead), cast);
+}
+
+/// The same for rows of a known width.
+///
+/// # Panics
+/// If there are not as many answers as rays, or `width` is 0.
+pub(crate) fn cast_rows<A: Send>(
+    rays: &[Ray],
+    answers: &mut [A],
+    width: usize,
+    cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync,
+) {
+    assert!(width > 0, "a row has rays");
+    share(rays, answers, (Some(width.min(rays.len().max(1))), 0), cast);
+}
+
+fn share<A: Send>(
+    rays: &[Ray],
+    answers: &mut [A],
+    (width, lead): (Option<usize>, usize),
+    cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync,
+) {
+    assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
     let threads = rayon::current_num_threads();
     let share = (rays.len() / (4 * threads)).clamp(SMALLEST, LARGEST);
     let part = share.next_multiple_of(width.map_or(UNIT, |width| ROWS * width));

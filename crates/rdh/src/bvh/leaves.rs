@@ -5,8 +5,17 @@ use crate::mem::Array;
 use crate::mesh::Mesh;
 use crate::simd::{Block, Indices, Kernels, Lanes, prefetch};
 
+/// What walks ask of blocks of eight triangles.
+pub(crate) trait Corners {
+    /// The corners of a block's triangles, copied to `scratch` if need be.
+    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block;
+
+    /// Asks for a block that will be needed soon.
+    fn prefetch(&self, block: usize);
+}
+
 /// Blocks of eight triangles, in one form or another.
-pub(crate) trait Leaves: Clone {
+pub(crate) trait Leaves: Corners + Clone {
     /// A block.
     type Block: Lanes;
 
@@ -16,22 +25,54 @@ pub(crate) trait Leaves: Clone {
     /// All blocks.
     fn blocks(&self) -> &Array<Self::Block>;
 
-    /// The corners of a block's triangles, copied to `scratch` if need be.
-    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block;
-
     /// Bytes that are needed beside the blocks.
     fn other_bytes(&self) -> usize;
 
-    /// Asks for a block that will be needed soon.
+    /// The same memory as one of all forms.
+    fn any(&self) -> AnyLeaves;
+}
+
+/// Blocks in any form: which one is asked at each leaf. For walks of many rays at a time, where that costs nothing beside the rest and
+/// a walk for each form would be much code.
+#[derive(Debug, Clone)]
+pub(crate) enum AnyLeaves {
+    Copies(Copies),
+    Shared(Shared),
+}
+
+impl Corners for AnyLeaves {
+    #[inline(always)]
+    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block {
+        match self {
+            Self::Copies(copies) => copies.corners::<K>(block, scratch),
+            Self::Shared(shared) => shared.corners::<K>(block, scratch),
+        }
+    }
+
     #[inline(always)]
     fn prefetch(&self, block: usize) {
-        prefetch(&self.blocks()[block]);
+        match self {
+            Self::Copies(copies) => copies.prefetch(block),
+            Self::Shared(shared) => shared.prefetch(block),
+        }
     }
 }
 
 /// Copies of triangles: 40 bytes each and more, five cache lines for eight.
 #[derive(Debug, Clone)]
 pub struct Copies(Array<Block>);
+
+impl Corners for Copies {
+    #[inline(always)]
+    fn corners<'b, K: Kernels>(&'b self, block: usize, _scratch: &'b mut Block) -> &'b Block {
+        &self.0[block]
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, block: usize) {
+        prefetch(&self.0[block]);
+    }
+}
 
 impl Leaves for Copies {
     type Block = Block;
@@ -44,13 +85,12 @@ impl Leaves for Copies {
         &self.0
     }
 
-    #[inline(always)]
-    fn corners<'b, K: Kernels>(&'b self, block: usize, _scratch: &'b mut Block) -> &'b Block {
-        &self.0[block]
-    }
-
     fn other_bytes(&self) -> usize {
         0
+    }
+
+    fn any(&self) -> AnyLeaves {
+        AnyLeaves::Copies(self.clone())
     }
 }
 
@@ -60,6 +100,19 @@ impl Leaves for Copies {
 pub struct Shared {
     blocks: Array<Indices>,
     points: Array<Vec3>,
+}
+
+impl Corners for Shared {
+    #[inline(always)]
+    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block {
+        K::gather(&self.points, &self.blocks[block], scratch);
+        scratch
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, block: usize) {
+        prefetch(&self.blocks[block]);
+    }
 }
 
 impl Leaves for Shared {
@@ -73,13 +126,11 @@ impl Leaves for Shared {
         &self.blocks
     }
 
-    #[inline(always)]
-    fn corners<'b, K: Kernels>(&'b self, block: usize, scratch: &'b mut Block) -> &'b Block {
-        K::gather(&self.points, &self.blocks[block], scratch);
-        scratch
-    }
-
     fn other_bytes(&self) -> usize {
         size_of_val(&self.points[..])
+    }
+
+    fn any(&self) -> AnyLeaves {
+        AnyLeaves::Shared(self.clone())
     }
 }

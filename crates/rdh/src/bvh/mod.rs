@@ -224,11 +224,22 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
 impl<L: Leaves> Bvh<8, L> {
     /// [`Self::closest`] of each ray.
     pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
-        self.level.run(tile::Part::<leaf::Closest, L> { tree: self, rays, answers: hits, width });
+        self.part::<leaf::Closest>(rays, hits, width);
     }
 
     /// [`Self::occluded`] of each ray.
     pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
-        self.level.run(tile::Part::<leaf::Any, L> { tree: self, rays, answers: hits, width });
+        self.part::<leaf::Any>(rays, hits, width);
+    }
+
+    fn part<C: tile::Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) {
+        let (tree, is_large) = (&self.with_any_leaves(), self.bytes() > tile::LARGE);
+        self.level.run(tile::Part::<C> { tree, is_large, rays, answers, width });
+    }
+
+    /// The same memory, its leaves as any form of them.
+    pub(crate) fn with_any_leaves(&self) -> Bvh<8, leaves::AnyLeaves> {
+        let Self { scale, bounds, magnitude, ref nodes, ref leaves, ref masks, tally, level } = *self;
+        Bvh { scale, bounds, magnitude, nodes: nodes.clone(), leaves: leaves.any(), masks: masks.clone(), tally, level }
     }
 }

@@ -4,7 +4,7 @@
 //! the tree, so that caches and guesses about branches help little anyway; of rays in order this would make worse use.
 
 use super::Bvh;
-use super::leaves::Leaves;
+use super::leaves::{AnyLeaves, Corners};
 use super::link::Link;
 use super::trace::{Caster, Entry, STACK, Watertight, push_all, push_in_order};
 use crate::geom::Ray;
@@ -26,8 +26,8 @@ struct Strand<'a, K: Kernels, C> {
 
 /// Casts some of a batch's rays, and hands over what each has collected.
 #[inline(always)]
-pub(super) fn cast<K: Kernels, C: Collector<Start = ()>, L: Leaves>(
-    tree: &Bvh<8, L>,
+pub(super) fn cast<K: Kernels, C: Collector<Start = ()>>(
+    tree: &Bvh<8, AnyLeaves>,
     rays: &[Ray],
     which: &[u32],
     mut done: impl FnMut(u32, C::Output),
@@ -66,9 +66,9 @@ pub(super) fn cast<K: Kernels, C: Collector<Start = ()>, L: Leaves>(
 impl<K: Kernels, C: Collector> Strand<'_, K, C> {
     /// Visits a node or a leaf, and asks for what comes next; whether there is anything.
     #[inline(always)]
-    fn step<L: Leaves>(
+    fn step(
         &mut self,
-        tree: &Bvh<8, L>,
+        tree: &Bvh<8, AnyLeaves>,
         stack: &mut Stack<'_, Entry, STACK>,
         t: &mut Entered<8>,
         scratch: &mut Block,
@@ -108,7 +108,7 @@ impl<K: Kernels, C: Collector> Strand<'_, K, C> {
     }
 
     #[inline(always)]
-    fn ask<L: Leaves>(&self, tree: &Bvh<8, L>) {
+    fn ask(&self, tree: &Bvh<8, AnyLeaves>) {
         if self.link.is_leaf() {
             tree.leaves.prefetch(self.link.block());
         } else {

@@ -6,7 +6,7 @@
 
 use super::Bvh;
 use super::binary::DEEPEST;
-use super::leaves::Leaves;
+use super::leaves::Corners;
 use super::link::Link;
 use crate::geom::Ray;
 use crate::leaf::{Collector, Tester};
@@ -22,7 +22,7 @@ pub(crate) struct Walk<'a, P, C: Collector, L, const W: usize> {
     pub(crate) start: C::Start,
 }
 
-impl<P: Probe, C: Collector, L: Leaves, const W: usize> Job for Walk<'_, P, C, L, W> {
+impl<P: Probe, C: Collector, L: Corners, const W: usize> Job for Walk<'_, P, C, L, W> {
     /// What was collected.
     type Output = C::Output;
 
@@ -64,7 +64,7 @@ pub(crate) struct Watertight<'a, K: Kernels, C> {
 impl<'a, K: Kernels, C: Collector> Watertight<'a, K, C> {
     /// A ray made ready for a tree; what an invalid one collects is nothing.
     #[inline(always)]
-    pub(super) fn new<L: Leaves, const W: usize>(
+    pub(super) fn new<L: Corners, const W: usize>(
         tree: &'a Bvh<W, L>,
         ray: &Ray,
         start: C::Start,
@@ -117,7 +117,7 @@ pub(super) const STACK: usize = 7 * DEEPEST as usize + 8;
 
 /// Leads a ray through a tree, until it is done or there is nothing more: whether it goes on elsewhere.
 #[inline(always)]
-pub(crate) fn walk<K: Kernels, L: Leaves, T: Caster<W>, P: Probe, const W: usize>(
+pub(crate) fn walk<K: Kernels, L: Corners, T: Caster<W>, P: Probe, const W: usize>(
     nodes: &[Boxes<W>],
     leaves: &L,
     caster: &mut T,

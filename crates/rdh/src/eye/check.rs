@@ -15,7 +15,10 @@ impl EyeTree {
     /// All faults of the trees over their mesh; none if they are well-formed. O(N log N) for each side, and what the other
     /// structure's check takes.
     pub fn check(&self) -> Vec<Fault> {
-        let mesh = self.world.mesh();
+        self.check_over(self.world.mesh())
+    }
+
+    pub(super) fn check_over(&self, mesh: &Mesh) -> Vec<Fault> {
         let mut faults = Faults::default();
         for face in self.faces.iter().flatten() {
             Check { tree: self, face, mesh, faults: &mut faults, pairs: 0 }.run();

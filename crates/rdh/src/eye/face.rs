@@ -5,6 +5,7 @@ use super::grow::{Branch, Reference};
 use super::side::Side;
 use crate::error::{Error, Result};
 use crate::mem::reserve;
+use crate::probe::Probe;
 use crate::simd::{Corners, Entry, Sight, step_of};
 
 /// A node: eight bytes.
@@ -63,11 +64,12 @@ pub(super) struct Face {
 impl Face {
     /// The leaf of a place in the window.
     #[inline(always)]
-    pub(super) fn leaf_at(&self, u: f32, v: f32) -> &[Entry] {
+    pub(super) fn leaf_at<P: Probe>(&self, u: f32, v: f32, probe: &mut P) -> &[Entry] {
         let mut node = self.root;
         loop {
             match node.kind() {
                 Kind::Split { axis, at, pair } => {
+                    probe.interior();
                     let x = if axis == 0 { u } else { v };
                     node = self.pairs[pair][usize::from(x >= at)];
                 }
@@ -83,6 +85,19 @@ impl Face {
         const WIDEST: f32 = 256.0;
         let area = (high[0] - low[0] + self.foot) * (high[1] - low[1] + self.foot);
         self.window.has(low[0], low[1]) && self.window.has(high[0], high[1]) && area <= WIDEST * self.foot * self.foot
+    }
+
+    /// Leaves without a triangle, and the most edges from the root to a leaf.
+    pub(super) fn shape(&self) -> (usize, usize) {
+        let (mut empty, mut depth) = (0, 0);
+        let mut waiting = vec![(self.root, 0)];
+        while let Some((node, edges)) = waiting.pop() {
+            match node.kind() {
+                Kind::Split { pair, .. } => waiting.extend(self.pairs[pair].map(|child| (child, edges + 1))),
+                Kind::Leaf { count, .. } => (empty, depth) = (empty + usize::from(count == 0), depth.max(edges)),
+            }
+        }
+        (empty, depth)
     }
 
     /// Its arrays' size.

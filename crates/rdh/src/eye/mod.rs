@@ -11,16 +11,20 @@
 //! ```
 //! The pictures are those of the six sides of a cube around the eye. What is found is what brute force finds, bit for bit: margins say
 //! where the forms decide, and elsewhere THE triangle test does. Rays that have nothing to do with the eye are answered by another
-//! structure.
+//! structure. A tree becomes an [`Accel`] by `into`, and `kd(eye=1,2,3)+sah` is a spec ([`EyeSpec`]): then everything that takes a structure
+//! takes it, and batches are cast on all threads, those of others by what the other structure has for them.
 //!
 //! Related: Hunt and Mark, *Ray-Specialized Acceleration Structures for Ray Tracing* (2008), which builds grids in perspective space;
 //! Bittner and Havran (SCCG 2009) for counting rays; the footprint is ours.
 
+mod around;
 mod build;
 mod cell;
 mod check;
 mod face;
 mod grow;
+mod named;
+mod part;
 mod project;
 mod rays;
 mod shadow;
@@ -33,13 +37,15 @@ mod trace;
 mod viewer;
 mod walk;
 
-pub use spec::{EyeForm, EyeOptions};
+pub(crate) use around::Around;
+pub use spec::{EyeForm, EyeOptions, EyeSpec};
 
 use face::Face;
 use side::Side;
 use towards::Passing;
 
 use crate::accel::Accel;
+use crate::batch;
 use crate::geom::{Hit, Ray, Vec3};
 use crate::mem::Array;
 use crate::simd::Level;
@@ -76,13 +82,13 @@ pub struct EyeStats {
 }
 
 impl EyeTree {
-    /// The nearest hit of each ray, as [`Self::closest`] finds it; fast for rays from the eye of which each 64 in a row are neighbours.
+    /// The nearest hit of each ray, as [`Self::closest`] finds it; fast for rays from the eye of which each 64 in a row are neighbours,
+    /// and for rows of pictures, whose width is seen from the rays. Works on all threads of rayon's current pool.
     ///
     /// # Panics
     /// If there are not as many hits as rays.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        assert_eq!(rays.len(), hits.len(), "a hit for each ray");
-        self.level.run(tile::Closest { tree: self, rays, hits });
+        batch::cast(rays, hits, |rays, hits, width| self.closest_part(rays, hits, width));
     }
 
     /// [`Self::closest_many`] for rays that come in rows of `width`, as pictures and scanners have them: neighbours in both directions
@@ -91,18 +97,16 @@ impl EyeTree {
     /// # Panics
     /// If there are not as many hits as rays, or `width` is 0.
     pub fn closest_rows(&self, rays: &[Ray], width: usize, hits: &mut [Option<Hit>]) {
-        assert_eq!(rays.len(), hits.len(), "a hit for each ray");
-        assert!(width > 0, "a row has rays");
-        self.level.run(tile::InRows { tree: self, rays, width, hits });
+        batch::cast_rows(rays, hits, width, |rays, hits, width| self.closest_part(rays, hits, width));
     }
 
     /// Whether each ray hits anything, as [`Self::occluded`] says; fast for rays towards the eye of which each 64 in a row are neighbours.
+    /// Works on all threads of rayon's current pool.
     ///
     /// # Panics
     /// If there are not as many answers as rays.
     pub fn occluded_many(&self, rays: &[Ray], found: &mut [bool]) {
-        assert_eq!(rays.len(), found.len(), "an answer for each ray");
-        self.level.run(shadow::Occluded { tree: self, rays, found });
+        batch::cast(rays, found, |rays, found, width| self.occluded_part(rays, found, width));
     }
 
     /// The eye.

@@ -1,5 +1,7 @@
 //! The options of a tree around an eye, as plain data.
 
+use crate::geom::Vec3;
+
 /// What the rays have to do with the eye.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EyeForm {
@@ -8,6 +10,16 @@ pub enum EyeForm {
     From,
     /// They end at it, or start at it: a light.
     Towards,
+}
+
+/// Trees around an eye, as a [`Spec`](crate::Spec) names them: `kd(eye=1,2,3)`, `kd(light=1,2,3)`, `kd(eye)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EyeSpec {
+    /// Where it is. [`None`]: where most of the training rays start, those of a large weight counting more; not for
+    /// [`EyeForm::Towards`].
+    pub place: Option<Vec3>,
+    /// What the rays have to do with it.
+    pub form: EyeForm,
 }
 
 /// Parameters of a tree around an eye.

@@ -20,48 +20,32 @@ const OCTETS: usize = 8;
 /// Rays of a tile.
 pub(super) const TILE: usize = OCTETS * RAYS;
 
-/// All rays of a batch.
+/// All rays of a batch; where it comes in rows, blocks of eight rays of eight rows walk together.
 pub(super) struct Closest<'a> {
     pub(super) tree: &'a EyeTree,
     pub(super) rays: &'a [Ray],
+    /// How many rays a row has, if they come in rows.
+    pub(super) width: Option<usize>,
     pub(super) hits: &'a mut [Option<Hit>],
 }
 
 impl Job for Closest<'_> {
     type Output = ();
 
-    #[inline(always)]
-    fn run<K: Kernels>(self) {
-        let mut tile = Tile::NEW;
-        for (rays, hits) in self.rays.chunks(TILE).zip(self.hits.chunks_mut(TILE)) {
-            closest::<K>(self.tree, rays, hits, &mut tile);
-        }
-    }
-}
-
-/// All rays of a batch that comes in rows: blocks of eight rays of eight rows walk together.
-pub(super) struct InRows<'a> {
-    pub(super) tree: &'a EyeTree,
-    pub(super) rays: &'a [Ray],
-    pub(super) width: usize,
-    pub(super) hits: &'a mut [Option<Hit>],
-}
-
-impl Job for InRows<'_> {
-    type Output = ();
-
+    /// One loop, so that everything is compiled once.
     #[inline(always)]
     fn run<K: Kernels>(self) {
         let (mut tile, mut order) = (Tile::NEW, [0; TILE]);
         let (mut block, mut found) = ([Ray::new([0.0; 3], [0.0; 3]); TILE], [None; TILE]);
+        let (count, width) = (self.rays.len(), self.width.unwrap_or(TILE));
         // What is left of a batch may be a part of a row.
-        let rows = self.rays.len().div_ceil(self.width);
-        for row in (0..rows).step_by(RAYS) {
-            for column in (0..self.width).step_by(RAYS) {
+        let (rows, high) = (count.div_ceil(width), if self.width.is_some() { RAYS } else { 1 });
+        for row in (0..rows).step_by(high) {
+            for column in (0..width).step_by(TILE / high) {
                 let mut len = 0;
-                for y in row..(row + RAYS).min(rows) {
-                    let start = y * self.width;
-                    for i in start + column..(start + (column + RAYS).min(self.width)).min(self.rays.len()) {
+                for y in row..(row + high).min(rows) {
+                    let start = y * width;
+                    for i in start + column..(start + (column + TILE / high).min(width)).min(count) {
                         (block[len], order[len]) = (self.rays[i], i);
                         len += 1;
                     }
@@ -301,7 +285,7 @@ fn finish<K: Kernels>(
 /// A ray of which the margins don't tell what it hits first.
 #[inline(never)]
 fn unsure(tree: &EyeTree, face: &Face, ray: &Ray) -> Option<Hit> {
-    tree.closest_in(face, &RayFrame::new(ray), ray)
+    tree.closest_in(face, &RayFrame::new(ray), ray, &mut ())
 }
 
 /// A ray that does not hit within its interval what it meets first.

@@ -6,32 +6,40 @@ use super::side::Side;
 use super::spec::EyeForm;
 use super::towards::Approach;
 use crate::geom::{Hit, Ray, RayFrame, TriId, hit_triangle};
+use crate::probe::Probe;
 use crate::simd::{Aims, Corners, Sight, step_of};
 
 impl EyeTree {
     /// The nearest hit; of equally near ones that with the smallest id.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        match self.own(ray) {
-            Some((face, frame)) => self.closest_in(face, &frame, ray),
-            None => self.world.closest(ray),
-        }
+        self.closest_probed(ray, &mut ())
     }
 
     /// Whether anything is hit.
     pub fn occluded(&self, ray: &Ray) -> bool {
+        self.occluded_probed(ray, &mut ())
+    }
+
+    pub(crate) fn closest_probed<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
+        match self.own(ray) {
+            Some((face, frame)) => self.closest_in(face, &frame, ray, probe),
+            None => self.world.closest_probed(ray, probe),
+        }
+    }
+
+    pub(crate) fn occluded_probed<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
         if let Some((face, frame)) = self.own(ray) {
-            return self.closest_in(face, &frame, ray).is_some();
+            return self.closest_in(face, &frame, ray, probe).is_some();
         }
         match self.approaching(ray) {
-            Some((face, frame, approach)) => self.occluded_in(face, &frame, &approach, ray),
-            None => self.world.occluded(ray),
+            Some((face, frame, approach)) => self.occluded_in(face, &frame, &approach, ray, probe),
+            None => self.world.occluded_probed(ray, probe),
         }
     }
 
     /// The face and the frame of a ray that starts at the eye.
     fn own(&self, ray: &Ray) -> Option<(&Face, RayFrame)> {
-        // Bit for bit: that of −0 and 0 would make zeros of other signs.
-        if ray.origin.map(f32::to_bits) != self.eye.map(f32::to_bits) || !ray.is_valid() || ray.t_min < 0.0 {
+        if !self.starts_at_eye(ray) || !ray.is_valid() || ray.t_min < 0.0 {
             return None;
         }
         let frame = RayFrame::new(ray);
@@ -56,18 +64,19 @@ impl EyeTree {
     }
 
     /// The nearest hit of a ray from the eye.
-    pub(super) fn closest_in(&self, face: &Face, frame: &RayFrame, ray: &Ray) -> Option<Hit> {
+    pub(super) fn closest_in<P: Probe>(&self, face: &Face, frame: &RayFrame, ray: &Ray, probe: &mut P) -> Option<Hit> {
         // What is hidden is not there: a ray that starts behind what hides it finds out by hitting that.
         let from_eye = RayFrame { t_min: if self.drops_hidden() { 0.0 } else { ray.t_min }, ..as_given(frame) };
         let [u, v] = frame.shear;
         let (column, row) = (step_of(u), step_of(v));
         let mut best: Option<Hit> = None;
         // What is less near can't win.
-        let mut least = f32::NEG_INFINITY;
-        for entry in face.leaf_at(u, v) {
+        let (mut least, mut looked) = (f32::NEG_INFINITY, 0);
+        for entry in face.leaf_at(u, v, probe) {
             if entry.near < least {
                 break;
             }
+            looked += 1;
             let beside =
                 (entry.low[0] > column) | (entry.high[0] < column) | (entry.low[1] > row) | (entry.high[1] < row);
             let sight = &face.sights[entry.sight as usize];
@@ -81,31 +90,42 @@ impl EyeTree {
                 least = nearness(&hit, frame);
             }
         }
+        probe.leaf(looked);
         match best {
-            Some(hit) if hit.t < ray.t_min => self.world.closest(ray),
+            Some(hit) if hit.t < ray.t_min => self.world.closest_probed(ray, probe),
             _ => best,
         }
     }
 
     /// Whether a ray that ends at the eye is stopped before.
-    fn occluded_in(&self, face: &Face, frame: &RayFrame, approach: &Approach, ray: &Ray) -> bool {
+    fn occluded_in<P: Probe>(
+        &self,
+        face: &Face,
+        frame: &RayFrame,
+        approach: &Approach,
+        ray: &Ray,
+        probe: &mut P,
+    ) -> bool {
         let [u, v] = frame.shear;
-        let mut beyond_end = false;
-        for entry in face.leaf_at(u, v) {
+        let (mut beyond_end, mut looked) = (false, 0);
+        for entry in face.leaf_at(u, v, probe) {
             if entry.near < approach.far {
                 break;
             }
+            looked += 1;
             let sight = &face.sights[entry.sight as usize];
             if !may_hit(sight, u, v, approach.far) {
                 continue;
             }
             if self.stops(face, entry.sight, frame, ray) {
+                probe.leaf(looked);
                 return true;
             }
             beyond_end |= sight.span(u, v).1 >= approach.near_surely;
         }
+        probe.leaf(looked);
         // What lies between the end and the eye may have hidden what lies before the end.
-        beyond_end && self.drops_hidden() && self.world.occluded(ray)
+        beyond_end && self.drops_hidden() && self.world.occluded_probed(ray, probe)
     }
 
     /// Whether THE triangle test finds a hit of a triangle that the ray sees.

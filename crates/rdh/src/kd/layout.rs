@@ -1,8 +1,7 @@
-//! From grown branches to the arrays that rays walk: treelets of nodes, packed blocks of triangles.
+//! From grown branches to the arrays that rays walk: pairs of nodes, packed blocks of triangles.
 //!
-//! Children lie side by side; four such pairs fill a cache line. A line starts with a pair and takes in the pairs below
-//! it that are most likely to be visited, so that several steps of a ray cost one miss (+9–15 % on coherent rays
-//! in our prototypes).
+//! Children lie side by side; four such pairs fill a cache line. A pair is followed by that of the likelier of its nodes that
+//! has children: several steps of a ray cost one miss, and where the next step leads can be guessed (`trace.rs`).
 
 use rayon::prelude::*;
 
@@ -118,13 +117,12 @@ struct Waiting {
     branch: u32,
     /// Its own place; none for the root.
     node: Option<usize>,
-    chance: f32,
     depth: usize,
 }
 
 impl Waiting {
     fn root(branch: u32) -> Self {
-        Self { branch, node: None, chance: 1.0, depth: 0 }
+        Self { branch, node: None, depth: 0 }
     }
 }
 
@@ -150,11 +148,11 @@ impl<'a, F: Fn(u32) -> [Vec3; 3]> Layout<'a, F> {
     /// A subtree from its root, whose own place is another part's if it has one.
     fn lay_out(mut self, root: Waiting) -> Result<Self> {
         self.arrays.root = self.place(Waiting { node: None, ..root })?;
-        let mut treelets = 0;
+        let mut placed = 0;
         while let Some(next) = self.waiting.pop() {
-            self.draft.watch.check_at(treelets)?;
-            treelets += 1;
-            self.treelet(next)?;
+            self.draft.watch.check_at(placed)?;
+            placed += 1;
+            self.place_children(next)?;
         }
         self.pad_last_block();
         Ok(self)
@@ -165,29 +163,28 @@ impl<'a, F: Fn(u32) -> [Vec3; 3]> Layout<'a, F> {
         self.sizes.get(branch as usize).is_some_and(|&size| size <= AT_ONCE)
     }
 
-    /// Places children until the line is full, always those that are most likely visited; the others wait.
-    fn treelet(&mut self, first: Waiting) -> Result<()> {
-        let mut frontier = vec![first];
-        loop {
-            let likeliest =
-                (0..frontier.len()).reduce(|a, b| if frontier[b].chance > frontier[a].chance { b } else { a });
-            let Some(likeliest) = likeliest else { return Ok(()) };
-            let parent = frontier.swap_remove(likeliest);
-            self.place_children(parent, &mut frontier)?;
-            if self.pairs.is_multiple_of(PAIRS) {
-                break;
-            }
-        }
-        frontier.sort_by(|a, b| a.chance.total_cmp(&b.chance));
-        self.waiting.append(&mut frontier);
-        Ok(())
-    }
-
-    fn place_children(&mut self, parent: Waiting, frontier: &mut Vec<Waiting>) -> Result<()> {
+    fn place_children(&mut self, parent: Waiting) -> Result<()> {
         let Branch::Interior { axis, plane, children, chances } = self.draft.branches.nodes[parent.branch as usize]
         else {
             return Ok(());
         };
+        let pair = self.new_pair()?;
+        let node = Node::interior(axis, plane, pair as u32);
+        match parent.node {
+            Some(place) => self.arrays.lines[place / (2 * PAIRS)].0[place % (2 * PAIRS)] = node,
+            None => self.arrays.root = node,
+        }
+        // The likelier one waits on top, so that its children come next.
+        let likelier = usize::from(chances[1] > chances[0]);
+        for side in [1 - likelier, likelier] {
+            let place = 2 * pair + side;
+            let child = Waiting { branch: children[side], node: Some(place), depth: parent.depth + 1 };
+            self.arrays.lines[place / (2 * PAIRS)].0[place % (2 * PAIRS)] = self.place(child)?;
+        }
+        Ok(())
+    }
+
+    fn new_pair(&mut self) -> Result<usize> {
         let pair = self.pairs;
         if pair as u64 > u64::from(Node::MAX_LINK) {
             return Err(Error::OverBudget { what: "nodes", limit: Node::MAX_LINK as usize });
@@ -197,37 +194,17 @@ impl<'a, F: Fn(u32) -> [Vec3; 3]> Layout<'a, F> {
             reserve(&mut self.arrays.lines, 1, "nodes")?;
             self.arrays.lines.push(Line([Node::default(); 2 * PAIRS]));
         }
-        let node = Node::interior(axis, plane, pair as u32);
-        match parent.node {
-            Some(place) => self.arrays.lines[place / (2 * PAIRS)].0[place % (2 * PAIRS)] = node,
-            None => self.arrays.root = node,
-        }
-        for side in 0..2 {
-            let place = 2 * pair + side;
-            let chance = parent.chance * chances[side];
-            let waiting = Waiting { branch: children[side], node: Some(place), chance, depth: parent.depth + 1 };
-            let leaf = self.place(waiting)?;
-            self.arrays.lines[place / (2 * PAIRS)].0[place % (2 * PAIRS)] = leaf;
-            if matches!(self.draft.branches.nodes[children[side] as usize], Branch::Interior { .. }) {
-                // It waits in the line's frontier instead.
-                self.waiting.pop();
-                if self.leaves_out(waiting.branch) {
-                    self.subtrees.push(waiting);
-                } else {
-                    frontier.push(waiting);
-                }
-            }
-        }
-        Ok(())
+        Ok(pair)
     }
 
     /// A leaf's node, with its triangles placed; an interior node waits.
-    fn place(&mut self, waiting: Waiting) -> Result<Node> {
+    fn place(&mut self, node: Waiting) -> Result<Node> {
         let tally = &mut self.arrays.tally;
-        tally.depth = tally.depth.max(waiting.depth);
-        match self.draft.branches.nodes[waiting.branch as usize] {
+        tally.depth = tally.depth.max(node.depth);
+        match self.draft.branches.nodes[node.branch as usize] {
             Branch::Interior { .. } => {
-                self.waiting.push(waiting);
+                let list = if self.leaves_out(node.branch) { &mut self.subtrees } else { &mut self.waiting };
+                list.push(node);
                 Ok(Node::default())
             }
             Branch::Leaf { first, count } => {

@@ -4,17 +4,19 @@
 //! from `t − pad`. So each cell is visited whose box, grown by the slack, the ray meets, and no hit that THE triangle test
 //! accepts lies elsewhere (the argument stands in `geom/triangle.rs`). What is visited ends where the best hit so far
 //! is nearer than anything in the cell: a hit found in a cell may lie outside of it, and counts all the same.
-
-use std::hint::select_unpredictable;
+//!
+//! The way from node to node would be a chain: fetch the children, find the near one, fetch its children. So nothing in it waits for
+//! data where a branch can be guessed: which child is near, and whether its children are the next pair, as they are for the likelier one
+//! (`layout.rs`).
 
 use super::KdTree;
 use super::node::Node;
 use super::stop::StopRule;
 use crate::geom::{PlaneFrame, Ray, larger, smaller};
 use crate::leaf::{Collector, Tester};
-use crate::mem::Slots;
+use crate::mem::{Slots, Stack};
 use crate::probe::Probe;
-use crate::simd::{Job, Kernels};
+use crate::simd::{Job, Kernels, apart, guessed_next};
 
 /// One ray's way through a tree.
 pub(crate) struct Walk<'a, P, C: Collector> {
@@ -30,6 +32,47 @@ struct Entry {
     node: Node,
     t_near: f32,
     t_far: f32,
+}
+
+/// The most subtrees that wait: one on each level.
+const STACK: usize = StopRule::DEEPEST as usize + 1;
+
+/// The part of the ray that is in the node at hand, and what waits behind it.
+struct Way<'s> {
+    t_near: f32,
+    t_far: f32,
+    stack: Stack<'s, Entry, STACK>,
+}
+
+impl Way<'_> {
+    /// The child to go on with, where the far one counts from a `t` on, and the near one until another.
+    #[inline(always)]
+    fn take<const WAY: u32>(&mut self, near: Node, far: Node, (far_from, near_until): (f32, f32)) -> Node {
+        apart::<WAY>();
+        if far_from > self.t_far {
+            return near;
+        }
+        if near_until < self.t_near {
+            return far;
+        }
+        self.stack.push(Entry { node: far, t_near: larger(far_from, self.t_near), t_far: self.t_far });
+        self.t_far = smaller(near_until, self.t_far);
+        apart::<WAY>();
+        near
+    }
+
+    /// The subtree that is next, if any begins before the end of interest.
+    #[inline(always)]
+    fn next(&mut self, end: f32) -> Option<Node> {
+        loop {
+            let entry = self.stack.pop()?;
+            let is_beyond = entry.t_near > end;
+            if !is_beyond {
+                (self.t_near, self.t_far) = (entry.t_near, smaller(entry.t_far, end));
+                return Some(entry.node);
+            }
+        }
+    }
 }
 
 /// The value of an axis index that stands for a leaf; arrays have four elements so that no index needs a check.
@@ -70,16 +113,18 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
         }
         let tree = self.tree;
         let plane_frame = PlaneFrame::new(self.ray, tree.scale, tree.magnitude);
-        let (mut t_near, mut t_far) = plane_frame.span(&tree.bounds);
+        let (t_near, t_far) = plane_frame.span(&tree.bounds);
         if t_near > t_far {
             return collector.finish();
         }
         let mut tester = Tester::<K>::new(self.ray, tree.masks.as_deref());
         let planes = Planes::new(&plane_frame);
-        let mut slots = Slots::<Entry, { StopRule::DEEPEST as usize + 1 }>::new();
-        let mut stack = slots.stack();
+        let mut slots = Slots::new();
+        let mut way = Way { t_near, t_far, stack: slots.stack() };
         let pairs = tree.pairs();
         let mut node = tree.root;
+        // The pair that was fetched last. The root's children are the first one.
+        let mut pair = u32::MAX;
         // The end of interest in the tree's own `t`.
         let mut end = f32::INFINITY;
         loop {
@@ -87,21 +132,14 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
             if a != LEAF {
                 self.probe.interior();
                 let along = node.split() * planes.inverse[a];
-                let (far_from, near_until) = (along + planes.enters[a], along + planes.leaves[a]);
-                // Both children are fetched before the side is known: the way from node to node is what takes the time.
-                let [left, right] = pairs[node.pair() as usize];
-                let down = planes.down & (1 << a) != 0;
-                let near = select_unpredictable(down, right, left);
-                let far = select_unpredictable(down, left, right);
-                if far_from > t_far {
-                    node = near;
-                } else if near_until < t_near {
-                    node = far;
+                let span = (along + planes.enters[a], along + planes.leaves[a]);
+                pair = guessed_next(pair, node.pair());
+                let [left, right] = pairs[pair as usize];
+                node = if planes.down & (1 << a) != 0 {
+                    way.take::<1>(right, left, span)
                 } else {
-                    stack.push(Entry { node: far, t_near: larger(far_from, t_near), t_far });
-                    node = near;
-                    t_far = smaller(near_until, t_far);
-                }
+                    way.take::<0>(left, right, span)
+                };
                 continue;
             }
             let (block, lane, count) = node.triangles();
@@ -114,16 +152,10 @@ impl<P: Probe, C: Collector> Job for Walk<'_, P, C> {
                     None => return collector.finish(),
                 }
             }
-            let entry = loop {
-                match stack.pop() {
-                    None => return collector.finish(),
-                    Some(entry) if entry.t_near > end => {}
-                    Some(entry) => break entry,
-                }
+            node = match way.next(end) {
+                Some(next) => next,
+                None => return collector.finish(),
             };
-            node = entry.node;
-            t_near = entry.t_near;
-            t_far = smaller(entry.t_far, end);
         }
     }
 }

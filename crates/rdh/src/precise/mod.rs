@@ -105,7 +105,7 @@ impl AccelF64 {
             Structure::Bvh8(tree) => tree.level().run(trace::Walk { tree, query }),
             Structure::Compact8(tree) => tree.level().run(trace::Walk { tree, query }),
             // Nothing else is built.
-            Structure::Kd(_) | Structure::Lazy(_) => {}
+            Structure::Kd(_) | Structure::Lazy(_) | Structure::Eye(_) => {}
         }
     }
 

@@ -55,7 +55,7 @@ const NOT_HERE: &str = "saved trees are for little-endian machines";
 fn layout(spec: &Spec) -> u32 {
     match spec.structure {
         // Nothing that is built, and no file.
-        StructureSpec::Auto => 0,
+        StructureSpec::Auto | StructureSpec::Eye(_) => 0,
         StructureSpec::Kd(_) => 1,
         StructureSpec::Bvh(bvh) => match bvh.triangles {
             Triangles::Copied => bvh.width.children(),

@@ -61,7 +61,7 @@ impl<'a> Content<'a> {
         if !LITTLE_ENDIAN {
             return fail(0, NOT_HERE);
         }
-        if accel.lazy().is_some() {
+        if accel.lazy().is_some() || accel.eye_tree().is_some() {
             return Err(unsaved(&accel.stats().spec));
         }
         let description = Description::of(accel).to_json()?;

@@ -1,4 +1,4 @@
-//! Masks as the outcome of jumps, which the CPU guesses, instead of data, which it waits for.
+//! Masks and indices as the outcome of jumps, which the CPU guesses, instead of data, which it waits for.
 //!
 //! The way from a node to its child is a chain: fetch planes, multiply, compare, find the lane, fetch the link, about 40 cycles in
 //! which little else happens. Where the mask of the boxes that were met comes out of a jump, the CPU guesses it from what came
@@ -44,6 +44,55 @@ pub(crate) fn guessed_if<const W: usize>(mask: u32, matters: bool) -> u32 {
     if W == 8 && matters { guessed(mask) } else { mask }
 }
 
+/// `next`; where it comes right after `last`, by way of a branch: the CPU guesses that it does, adds 1 to what it knows, and need not
+/// wait for `next`.
+#[inline(always)]
+pub(crate) fn guessed_next(last: u32, next: u32) -> u32 {
+    if next.wrapping_sub(last) == 1 { after(last) } else { next }
+}
+
+/// Ways through the code with different numbers stay apart: the compiler doesn't merge them again, and the CPU guesses at each what
+/// happens there.
+#[inline(always)]
+pub(crate) fn apart<const WAY: u32>() {
+    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    // SAFETY: a comment does nothing.
+    unsafe {
+        std::arch::asm!("/* {0} */", const WAY, options(nomem, nostack, preserves_flags));
+    }
+}
+
+/// One more, wrapping, as the compiler can't see: it would take the number that this is known to be equal to.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn after(x: u32) -> u32 {
+    let more: u32;
+    // SAFETY: it adds 1 to a register and touches nothing else.
+    unsafe {
+        std::arch::asm!("lea {0:e}, [{1:r} + 1]", out(reg) more, in(reg) x, options(pure, nomem, nostack, preserves_flags));
+    }
+    more
+}
+
+/// One more, wrapping, as the compiler can't see: it would take the number that this is known to be equal to.
+#[cfg(target_arch = "aarch64")]
+#[inline(always)]
+fn after(x: u32) -> u32 {
+    let more: u32;
+    // SAFETY: it adds 1 to a register and touches nothing else.
+    unsafe {
+        std::arch::asm!("add {0:w}, {1:w}, #1", out(reg) more, in(reg) x, options(pure, nomem, nostack, preserves_flags));
+    }
+    more
+}
+
+/// Elsewhere the compiler may see it.
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[inline(always)]
+fn after(x: u32) -> u32 {
+    x.wrapping_add(1)
+}
+
 /// A constant that the compiler can't see through.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
@@ -82,5 +131,10 @@ mod tests {
     #[test]
     fn a_guess_changes_nothing() {
         (0..256).for_each(|mask| assert_eq!(guessed(std::hint::black_box(mask)), mask));
+        for last in [0, 1, 7, u32::MAX - 1, u32::MAX] {
+            for next in [last, last.wrapping_add(1), last.wrapping_add(2), 0, 3] {
+                assert_eq!(guessed_next(std::hint::black_box(last), std::hint::black_box(next)), next);
+            }
+        }
     }
 }

@@ -38,7 +38,7 @@ pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use eight::{Eight, Hits};
 pub(crate) use four::Four;
-pub(crate) use guess::guessed_if;
+pub(crate) use guess::{apart, guessed_if, guessed_next};
 pub(crate) use indices::Indices;
 #[cfg(all(feature = "twin", target_arch = "x86_64"))]
 pub(crate) use leaky::LeakyRay;

@@ -23,6 +23,7 @@ impl StepCosts {
                 Width::Four => (6.9, 4.1),
                 Width::Eight => (7.3, 4.4),
             },
+            StructureSpec::Eye(_) => (5.4, 2.2),
             StructureSpec::Auto => unreachable!("what is built is never 'auto'"),
         };
         Self { step, test }

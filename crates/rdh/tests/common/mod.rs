@@ -44,6 +44,9 @@ pub const SPECS: &[&str] = &[
     "bvh8(lazy)+sah",
     "bvh8(quick,lazy)+sah",
     "bvh8(lazy)+rdh",
+    "kd(eye=0.1,0.2,0.3)+sah",
+    "kd(eye=0.1,0.2,0.3)+rdh",
+    "kd(light=0.1,0.2,0.3)+sah",
 ];
 
 /// The tree of a spec, trained on random rays through the mesh.

@@ -34,8 +34,8 @@ fn write(study: &Study<'_>) -> Option<Section> {
         p {
             "Each frame begins with nothing but the mesh. A picture of 640 × 480 pixels casts a primary ray a pixel and a shadow ray to one light "
             "from each hit that faces it; a scanner’s turn has 64 × 2,048 rays. “whole frame” is what recording the frame’s rays for the next one took "
-            "(where a structure is built for rays), the build, and casting all rays once, on one thread: what grows meanwhile is in it. "
-            code { "kd+sah" } " has at most 16 levels here: the shallow tree. " code { "auto" } " is the one of three (lazy, quick, lazy for the rays "
+            "(where a structure is built for rays), the build, and casting all rays once, together, on one thread: what grows meanwhile is in it. "
+            code { "kd+sah" } " has at most 16 levels here: the shallow tree. " code { "kd(eye)+rdh" } " are trees around the frame’s own eye. " code { "auto" } " is the one of three (lazy, quick, lazy for the rays "
             "of the frame before) that would have taken least by the frames before; each is tried on one frame first."
         }
         (tables("Time to image", &all))

@@ -1,12 +1,15 @@
 //! Time to image, frame by frame: what knowing the rays costs, the build, and casting the frame's rays once.
 
-use rdh::{Accel, BuildOptions, Hit, Mesh, Query, RayClass, Recorder, Spec, Training};
+use std::hint::black_box;
+
+use rayon::ThreadPool;
+use rdh::eye::{EyeOptions, EyeTree};
+use rdh::{Accel, BuildOptions, Hit, Mesh, Query, Ray, RayClass, RaySample, Recorder, Spec, Training};
 use rdh_scene::View;
 
 use super::{Experiment, Job, Lab, Record, Scope, specs};
 use crate::clock::time_thread;
 use crate::integrate::{Mode, RayBatch, derived_seed};
-use crate::measure::cast_secs;
 use crate::plan::{Case, Plan, path_view};
 use crate::rows::Row;
 use crate::run::Built;
@@ -16,10 +19,13 @@ use crate::study::scope::Sample;
 
 pub(super) struct Frames;
 
-/// The base; the two that are quick to build, the second of which stays shallow; those that grow where rays come.
-const SPECS: &str = "kd(split=exact)+sah,bvh8(quick)+sah,kd+sah,bvh8(quick,lazy)+sah,bvh8(lazy)+rdh";
+/// The base; the two that are quick to build, the second of which stays shallow; those that grow where rays come; trees in the space of
+/// the frame's own eye, over one that grows.
+const SPECS: &str = "kd(split=exact)+sah,bvh8(quick)+sah,kd+sah,bvh8(quick,lazy)+sah,bvh8(lazy)+rdh,kd(eye)+rdh";
 /// The shallow tree's place among them, and its most levels.
 const SHALLOW: (usize, usize) = (2, 16);
+/// The place of the trees around the eye, and of what answers all other rays.
+const PERSPECTIVE: (usize, usize) = (5, 3);
 /// What `auto` chooses among, by place, in the order in which they are tried.
 const CANDIDATES: [usize; 3] = [3, 1, 4];
 /// What settings are called in which the quick hierarchy is the base.
@@ -64,6 +70,7 @@ impl Experiment for Frames {
         let way = Way::of(lab, &found.job)?;
         let plan = film(lab.plan);
         let specs = specs(SPECS)?;
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
         let mut eager = None;
         let mut choice = Choice::among(CANDIDATES.len());
         for frame in way.stations() {
@@ -75,8 +82,9 @@ impl Experiment for Frames {
             if way.moves {
                 eager = None;
             }
-            let round = Round { mesh: now.mesh(), specs: &specs, training: &training, recording_secs };
-            let timed = round.run(&batches, lab.plan.rounds_for(now.mesh().len()).max(1), &mut eager)?;
+            let (mesh, rounds) = (now.mesh(), lab.plan.rounds_for(now.mesh().len()).max(1));
+            let round = Round { mesh, specs: &specs, training: &training, recording_secs, alone: &alone };
+            let timed = round.run(&batches, rounds, &mut eager)?;
             report(now, &way.name(frame), frame, &timed, &batches, &mut choice, found);
         }
         Ok(())
@@ -168,12 +176,24 @@ fn record(lab: &Lab<'_>, batches: &[RayBatch]) -> (Training, f64) {
     (Training::from_samples(profile.samples().to_vec()), secs)
 }
 
+/// Where some of a frame's own rays go, not what they hit.
+fn directions(batch: &RayBatch) -> Training {
+    let every = batch.rays.len().div_ceil(PROFILE).max(1);
+    // Not in step with rows.
+    let picked = (0..batch.rays.len() / every).map(|i| &batch.rays[i * every + i * 7 % every]);
+    let sample =
+        |ray: &Ray| RaySample { weight: every as u32, ..RaySample::new(*ray, None, Query::Closest, batch.class) };
+    Training::from_samples(picked.map(sample).collect())
+}
+
 /// What is built and cast, over and over.
 struct Round<'a> {
     mesh: &'a Mesh,
     specs: &'a [Spec],
     training: &'a Training,
     recording_secs: f64,
+    /// One thread.
+    alone: &'a ThreadPool,
 }
 
 /// A structure, and what each round took.
@@ -189,7 +209,7 @@ impl Round<'_> {
     /// kept in `eager`.
     fn run(&self, batches: &[RayBatch], rounds: usize, eager: &mut Option<(Accel, f64)>) -> Result<Vec<Timed>, String> {
         if eager.is_none() {
-            *eager = Some(self.build(0)?);
+            *eager = Some(self.build(0, batches)?);
         }
         let mut timed: Vec<Timed> = Vec::new();
         for round in 0..rounds {
@@ -198,9 +218,9 @@ impl Round<'_> {
                 let which = (turn + round) % self.specs.len();
                 let (accel, build_secs) = match eager {
                     Some((accel, secs)) if which == 0 => (accel.clone(), *secs),
-                    _ => self.build(which)?,
+                    _ => self.build(which, batches)?,
                 };
-                let cast_secs: Vec<f64> = batches.iter().map(|batch| cast_secs(&accel, batch)).collect();
+                let cast_secs: Vec<f64> = batches.iter().map(|batch| self.cast_secs(&accel, batch)).collect();
                 if round == 0 {
                     timed.push(self.timed(which, accel, batches.len()));
                 } else {
@@ -216,17 +236,41 @@ impl Round<'_> {
         Ok(timed)
     }
 
-    fn build(&self, which: usize) -> Result<(Accel, f64), String> {
-        let spec = &self.specs[which];
+    fn build(&self, which: usize, batches: &[RayBatch]) -> Result<(Accel, f64), String> {
+        let spec = &self.specs[if which == PERSPECTIVE.0 { PERSPECTIVE.1 } else { which }];
         let max_depth = (which == SHALLOW.0).then_some(SHALLOW.1);
         let options = BuildOptions { threads: Some(1), max_depth, ..BuildOptions::default() };
-        let (accel, secs) = time_thread(|| rdh::build(self.mesh, spec, self.training, &options));
-        Ok((accel.map_err(|e| e.to_string())?, secs))
+        let own = if which == PERSPECTIVE.0 { batches.first() } else { None };
+        let (accel, secs) = time_thread(|| {
+            let world = rdh::build(self.mesh, spec, self.training, &options)?;
+            let Some(batch) = own else { return Ok(world) };
+            let eye = batch.rays[0].origin;
+            EyeTree::build(world, eye, &directions(batch), &EyeOptions::default(), &options).map(Accel::from)
+        });
+        Ok((accel.map_err(|e: rdh::Error| e.to_string())?, secs))
+    }
+
+    /// CPU seconds for all rays together, as one thread casts them.
+    fn cast_secs(&self, accel: &Accel, batch: &RayBatch) -> f64 {
+        let cast = || match batch.query {
+            Query::Occluded => {
+                let mut found = vec![false; batch.rays.len()];
+                accel.occluded_many(&batch.rays, &mut found);
+                black_box(found.iter().filter(|is| **is).count());
+            }
+            Query::Closest | Query::All => {
+                let mut hits = vec![None; batch.rays.len()];
+                accel.closest_many(&batch.rays, &mut hits);
+                black_box(hits.iter().flatten().map(|hit| hit.t).sum::<f32>());
+            }
+        };
+        self.alone.install(|| time_thread(cast).1)
     }
 
     fn timed(&self, which: usize, accel: Accel, batches: usize) -> Timed {
         let spec = self.specs[which];
-        let trained = spec.needs_rays();
+        // Where a frame's rays go is known before they are cast.
+        let trained = spec.needs_rays() && which != PERSPECTIVE.0;
         let built = Built {
             spec,
             accel,
@@ -316,5 +360,7 @@ mod tests {
         let specs = specs(SPECS).unwrap();
         assert_eq!(specs[SHALLOW.0], Spec::default());
         assert!(CANDIDATES.iter().all(|&i| i > 0 && i != SHALLOW.0 && i < specs.len()));
+        assert_eq!(specs[PERSPECTIVE.0].to_string(), "kd(eye)+rdh");
+        assert_eq!(specs[PERSPECTIVE.1].to_string(), "bvh8(quick,lazy)+sah");
     }
 }

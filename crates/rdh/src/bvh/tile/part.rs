@@ -4,22 +4,24 @@ use super::coherence::Extent;
 use super::effort::Patience;
 use super::{Choice, Packed, RAYS, Tile};
 use crate::bvh::Bvh;
-use crate::bvh::leaves::Leaves;
+use crate::bvh::leaves::AnyLeaves;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
 use crate::simd::{Eight, Job, Kernels, LANES};
 
 /// Rays, and where their answers go: as many.
-pub(crate) struct Part<'a, C: Packed, L> {
-    pub(crate) tree: &'a Bvh<8, L>,
+pub(crate) struct Part<'a, C: Packed> {
+    pub(crate) tree: &'a Bvh<8, AnyLeaves>,
+    /// Whether it is so large that rays without order wait for memory.
+    pub(crate) is_large: bool,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [C::Output],
     /// How many rays a row has, if the rays are rows of a picture.
     pub(crate) width: Option<usize>,
 }
 
-impl<C: Packed, L: Leaves> Job for Part<'_, C, L> {
+impl<C: Packed> Job for Part<'_, C> {
     type Output = ();
 
     /// One loop, so that each way of casting is compiled once: all is inlined here, where the level's instructions are known.
@@ -46,7 +48,7 @@ impl<C: Packed, L: Leaves> Job for Part<'_, C, L> {
             let may = has_tiles && which.len() >= FEWEST;
             let suits = may && (is_class || extent.is_coherent(self.rays, which) && patience.tries());
             if suits && tile.fill(self.rays, &choice, self.tree.magnitude, masks) {
-                tile.walk::<K, C, L>(self.tree);
+                tile.walk::<K, C>(self.tree);
                 self.read(&tile, which);
                 patience.note(tile.effort.has_paid());
             } else if suits && !is_class {
@@ -74,11 +76,11 @@ struct Others {
 const OTHERS: usize = 16 * RAYS;
 /// A structure up to this size stays in the caches, and its rays have nothing to wait for: taking turns costs a fifth then. By five
 /// scenes; what rays visit would tell more than what there is.
-const LARGE: usize = 9 << 19;
+pub(crate) const LARGE: usize = 9 << 19;
 /// A tile of fewer rays is not worth it.
 const FEWEST: usize = 2 * LANES;
 
-impl<C: Packed, L: Leaves> Part<'_, C, L> {
+impl<C: Packed> Part<'_, C> {
     /// Writes down what a tile's rays have found.
     #[inline(always)]
     fn read<E: Eight>(&mut self, tile: &Tile<E>, which: &[u32]) {
@@ -91,14 +93,14 @@ impl<C: Packed, L: Leaves> Part<'_, C, L> {
 
     #[inline(always)]
     fn cast_others<K: Kernels>(&mut self, which: &[u32], extent: Extent) {
-        if self.tree.bytes() > LARGE && extent.is_unordered(self.rays, which) {
+        if self.is_large && extent.is_unordered(self.rays, which) {
             let answers = &mut *self.answers;
-            strands::cast::<K, C, L>(self.tree, self.rays, which, |ray, answer| answers[ray as usize] = answer);
+            strands::cast::<K, C>(self.tree, self.rays, which, |ray, answer| answers[ray as usize] = answer);
             return;
         }
         for &ray in which {
             let ray = ray as usize;
-            let walk = Walk::<_, C, L, 8> { tree: self.tree, ray: &self.rays[ray], probe: &mut (), start: () };
+            let walk = Walk::<_, C, AnyLeaves, 8> { tree: self.tree, ray: &self.rays[ray], probe: &mut (), start: () };
             self.answers[ray] = walk.run::<K>();
         }
     }

@@ -3,7 +3,7 @@
 use super::packet::{Leaf, Planes};
 use super::{PACKETS, Tile};
 use crate::bvh::Bvh;
-use crate::bvh::leaves::Leaves;
+use crate::bvh::leaves::{AnyLeaves, Corners};
 use crate::bvh::link::Link;
 use crate::bvh::trace::STACK;
 use crate::leaf::Collector;
@@ -23,13 +23,13 @@ struct Entry {
 impl<E: Eight> Tile<E> {
     /// Leads the tile through the tree.
     #[inline(always)]
-    pub(super) fn walk<K: Kernels<Eight = E>, C: Collector, L: Leaves>(&mut self, tree: &Bvh<8, L>) {
+    pub(super) fn walk<K: Kernels<Eight = E>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) {
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
         let mut scratch = bytemuck::Zeroable::zeroed();
         let mut t = Entered([0.0; 8]);
         let root = Entry { t: f32::NEG_INFINITY, node: 0, lane: 0, first: 0, last: (self.count - 1) as u8 };
-        self.enter::<C, L>(tree, root, 0, &mut stack, &mut t);
+        self.enter::<C>(tree, root, 0, &mut stack, &mut t);
         while let Some(entry) = stack.pop() {
             if entry.t > self.beam.end() {
                 continue;
@@ -43,7 +43,7 @@ impl<E: Eight> Tile<E> {
                 self.test::<C>(&leaf, &planes, entry);
             } else if let Some(entry) = self.narrow(&planes, entry) {
                 self.effort.node();
-                self.enter::<C, L>(tree, entry, link.index(), &mut stack, &mut t);
+                self.enter::<C>(tree, entry, link.index(), &mut stack, &mut t);
             }
         }
     }
@@ -65,9 +65,9 @@ impl<E: Eight> Tile<E> {
 
     /// Puts the children of a node on the stack that the beam meets: the nearest on top, or, where any hit will do, the first.
     #[inline(always)]
-    fn enter<C: Collector, L: Leaves>(
+    fn enter<C: Collector>(
         &self,
-        tree: &Bvh<8, L>,
+        tree: &Bvh<8, AnyLeaves>,
         entry: Entry,
         node: usize,
         stack: &mut Stack<'_, Entry, STACK>,
