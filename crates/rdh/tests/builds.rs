@@ -177,7 +177,8 @@ fn built_specs_are_reported_as_asked() {
         let accel = build_spec(&mesh, text);
         assert_eq!(&accel.stats().spec.to_string(), text);
         assert_eq!(accel.stats().triangles, mesh.len());
-        if text.starts_with("kd") {
+        // A tree around a point is one for each of its sides.
+        if text.starts_with("kd") && !text.contains("eye=") && !text.contains("light=") {
             assert_eq!(accel.stats().nodes, 2 * accel.stats().leaves - 1);
         }
     }
