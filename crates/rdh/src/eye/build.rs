@@ -29,10 +29,6 @@ const REFERENCES: usize = 6;
 const CHUNK: usize = 1 << 13;
 
 impl EyeTree {
-    /// No build of ours took less on one thread (docs/measurements.md): where rays take less than this in the structure that there is,
-    /// trees around the eye can't pay.
-    pub const LEAST_BUILD_NANOS_PER_TRIANGLE: f64 = 200.0;
-
     /// Builds the trees around `eye` over the mesh of `world`, which answers all rays that have nothing to do with the eye:
     /// O(N log N). Without training rays the trees know all directions and are cut by areas; with some, only the window of each side
     /// in which those rays lie, and they are cut by the rays too.

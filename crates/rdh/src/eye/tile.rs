@@ -43,15 +43,22 @@ impl Job for Closest<'_> {
         for row in (0..rows).step_by(high) {
             for column in (0..width).step_by(TILE / high) {
                 let mut len = 0;
-                for y in row..(row + high).min(rows) {
+                for y in (row..(row + high).min(rows)).take_while(|_| high > 1) {
                     let start = y * width;
-                    for i in start + column..(start + (column + TILE / high).min(width)).min(count) {
+                    for i in start + column..(start + (column + RAYS).min(width)).min(count) {
                         (block[len], order[len]) = (self.rays[i], i);
                         len += 1;
                     }
                 }
-                if len > 0 {
-                    closest::<K>(self.tree, &block[..len], &mut found[..len], &mut tile);
+                // Where they lie side by side, they stay where they are.
+                let (rays, hits) = if high > 1 {
+                    (&block[..len], &mut found[..len])
+                } else {
+                    let run = row * width..((row + 1) * width).min(count);
+                    (&self.rays[run.clone()], &mut self.hits[run])
+                };
+                if !rays.is_empty() {
+                    closest::<K>(self.tree, rays, hits, &mut tile);
                 }
                 for (hit, &i) in found[..len].iter().zip(&order) {
                     self.hits[i] = *hit;
