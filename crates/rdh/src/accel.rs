@@ -8,7 +8,7 @@ use crate::bvh::{self, Bvh, Shared, Triangles, When, Width};
 use crate::error::{Error, Result};
 use crate::eye::{Around, EyeTree};
 use crate::fault::Fault;
-use crate::geom::{Aabb, Hit, Ray};
+use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
 use crate::lazy::Lazy;
@@ -131,7 +131,11 @@ pub(crate) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> 
 }
 
 fn build_structure(mesh: &Mesh, spec: &Spec, rays: &Training, options: &BuildOptions<'_>) -> Result<Structure> {
-    let scale = || crate::geom::Scale::of(&mesh.bounds()).factor();
+    // Only rays need it.
+    let scale = || {
+        let of_mesh = || Scale::of(&mesh.bounds_by(options.threads != Some(1))).factor();
+        if spec.needs_rays() { of_mesh() } else { 1.0 }
+    };
     match spec.structure {
         StructureSpec::Kd(mut kd) => {
             if kd.prune == Prune::ByHeuristic {

@@ -4,12 +4,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::clip::Slice;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, TriId, Vec3};
-use crate::mem::{Array, bytes_of, joined, reserve};
+use crate::mem::{Array, bytes_of, made};
+use crate::simd::Four;
 
 /// Triangles that one thread looks at.
-const CHUNK: usize = 1 << 15;
+const CHUNK: usize = 1 << 13;
 
 /// A triangle mesh: finite vertices, indices in range, at most 2³⁰ triangles.
 ///
@@ -148,26 +150,27 @@ impl Mesh {
         parallel: bool,
         make: impl Fn(TriId) -> T + Sync,
     ) -> Result<Vec<T>> {
-        let mut all = Vec::new();
-        if !parallel || self.len() <= CHUNK {
-            reserve(&mut all, self.len(), "references")?;
-            all.extend(self.solid().map(make));
-            return Ok(all);
-        }
-        let chunk = |first: usize| {
-            let (mut chunk, range) = (Vec::new(), first..(first + CHUNK).min(self.len()));
-            reserve(&mut chunk, range.len(), "references")?;
-            chunk.extend(self.solid_among(range).map(&make));
-            Ok(chunk)
-        };
-        let chunks = (0..self.len()).into_par_iter().step_by(CHUNK).map(chunk).collect::<Result<Vec<Vec<T>>>>()?;
-        let chunks: Vec<&[T]> = chunks.iter().map(|chunk| &chunk[..]).collect();
-        joined(&chunks, true, "references", |_, item| item)
+        made(self.len(), CHUNK, parallel, "references", |range| self.solid_among(range).map(&make))
     }
 
     /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.
     pub fn bounds(&self) -> Aabb {
-        self.triangles.iter().flatten().fold(Aabb::EMPTY, |b, &i| b.with(self.positions[i as usize]))
+        self.bounds_of(&self.triangles).bounds()
+    }
+
+    /// The same, found by several threads if they are to.
+    pub(crate) fn bounds_by(&self, parallel: bool) -> Aabb {
+        if !parallel {
+            return self.bounds();
+        }
+        // In the order of the triangles: which of two zeros counts does not depend on threads.
+        let chunks: Vec<Slice> = self.triangles.par_chunks(CHUNK).map(|triangles| self.bounds_of(triangles)).collect();
+        chunks.into_iter().fold(Slice::EMPTY, Slice::union).bounds()
+    }
+
+    fn bounds_of(&self, triangles: &[[u32; 3]]) -> Slice {
+        let corners = triangles.as_flattened().iter().map(|&i| Four::point(self.positions[i as usize]));
+        corners.fold(Slice::EMPTY, |bounds, corner| bounds.union(corner.into()))
     }
 }
 

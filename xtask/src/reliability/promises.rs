@@ -15,8 +15,9 @@ pub(super) struct Test {
 }
 
 /// The ordinary tests that promises name.
-pub(super) const TESTS: [Test; 9] = [
+pub(super) const TESTS: [Test; 10] = [
     Test { name: "properties", arguments: &["-p", "rdh", "--test", "properties"] },
+    Test { name: "precise", arguments: &["-p", "rdh", "--test", "precise"] },
     Test { name: "builds", arguments: &["-p", "rdh", "--test", "builds"] },
     Test { name: "garbage", arguments: &["-p", "rdh", "--test", "garbage"] },
     Test { name: "saved", arguments: &["-p", "rdh", "--test", "saved"] },
@@ -35,13 +36,18 @@ const fn promise(promise: &'static str, check: &'static str, command: &'static s
 }
 
 /// All of them, in the order of the page.
-pub(super) const PROMISES: [Promise; 17] = [
+pub(super) const PROMISES: [Promise; 18] = [
     promise("No ray escapes from a closed mesh", "soak", "cargo xtask soak --rays 1e9"),
     promise("Every structure gives the answers of brute force, bit for bit", "brute", "cargo xtask soak --brute"),
     promise(
         "The same on degenerate meshes, for all queries, masks and ends of rays; invalid rays hit nothing",
         "properties",
         "cargo test -p rdh --test properties",
+    ),
+    promise(
+        "Double precision: the hits of brute force in f64, bit for bit, and no ray escapes",
+        "precise",
+        "cargo test -p rdh --test precise",
     ),
     promise(
         "The same tree from 1, 2, 7 and 16 threads and any instructions, the same answers from every tree",

@@ -84,7 +84,7 @@ pub(crate) fn subtrees(nodes: &[BinaryNode], most: usize) -> (Vec<usize>, Vec<Ra
 /// The deepest that a binary tree gets, in edges.
 pub(crate) const DEEPEST: u32 = 64;
 /// Larger subtrees grow in a list of their own, on two threads if there are.
-const OWN_ABOVE: usize = 1 << 14;
+const OWN_ABOVE: usize = 1 << 12;
 
 /// Chooses where to split: by areas, or by the rays in a node.
 pub(crate) trait Chooser: Sync {

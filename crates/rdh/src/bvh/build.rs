@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::geom::{Aabb, Ray, RayFrame, Scale, TriId, Vec3, hit_triangle};
 use crate::heuristic::{By, Heuristic, Rdh, Sah, Stages};
 use crate::kd::{KdSpec, Prune};
-use crate::mem::reserve;
+use crate::mem::{joined, reserve};
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::simd::{LANES, Lanes};
@@ -32,12 +32,12 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
         check_size(mesh, options)?;
         let watch = Watch::new(options, mesh.len());
         watch.check_cancelled()?;
-        let in_mesh = mesh.bounds();
+        let in_mesh = mesh.bounds_by(options.threads != Some(1));
         let scale = Scale::of(&in_mesh);
         let (bounds, tracked) = (scale.scaled(&in_mesh), guide.map(|rdh| rdh.thinned(RAYS_TRACKED)));
         let build = Build { mesh, spec, guide, tracked, options, scale, bounds, watch: &watch };
         let Arrays { nodes, blocks, tally } = build.pack(build.grow()?)?;
-        let arrays = Self::of_arrays(mesh, nodes.into(), blocks.into());
+        let arrays = Self::of_arrays(mesh, &in_mesh, nodes.into(), blocks.into());
         let tree = Self { tally, level: options.level(), ..arrays };
         match options.max_bytes {
             Some(limit) if tree.bytes() > limit => Err(Error::OverBudget { what: "bytes", limit }),
@@ -108,6 +108,9 @@ const COSTS: Costs = Costs { node: 1.0, test: 0.6 };
 /// Cutting triangles may add one reference to so many. A kd-tree that may cut more (2, 4 or 8 references a triangle) makes no faster a
 /// hierarchy, but a larger one (docs/measurements.md).
 const ONE_SPARE_IN: usize = 2;
+
+/// References whose ids one thread lists.
+const AT_ONCE: usize = 1 << 13;
 
 /// Sampled rays that are followed down the tree; more gain nothing.
 const RAYS_TRACKED: usize = 4096;
@@ -187,9 +190,8 @@ impl Build<'_> {
             Some(rdh) => binary::grow(&mut primitives, self.search(), &ByRays(rdh), self.watch)?,
             None => binary::grow(&mut primitives, self.search(), &ByArea, self.watch)?,
         };
-        let mut ids = Vec::new();
-        reserve(&mut ids, primitives.len(), "references")?;
-        ids.extend(primitives.iter().map(|p| p.link));
+        let chunks: Vec<&[Extent]> = primitives.chunks(AT_ONCE).collect();
+        let ids = joined(&chunks, self.is_parallel(), "references", |_, p| p.link)?;
         Ok(Grown { nodes, ids })
     }
 
@@ -220,34 +222,45 @@ impl Build<'_> {
     fn pack<B: Lanes, const W: usize>(&self, (grown, visits): (Grown, Option<Vec<f32>>)) -> Result<Arrays<B, W>> {
         let Grown { nodes, ids } = grown;
         let visits = match (self.guide_of(|stages| stages.cuts), visits) {
-            (Some(_), Some(visits)) => visits,
-            (Some(rdh), None) => visits::measure(&nodes, rdh, self.watch, |_, _| ())?,
-            (None, _) => visits::by_area(&nodes)?,
+            (Some(_), Some(visits)) => Some(visits),
+            (Some(rdh), None) => Some(visits::measure(&nodes, rdh, self.watch, |_, _| ())?),
+            (None, _) => None,
         };
+        let visits = |i: usize| visits.as_ref().map_or_else(|| nodes[i].0.half_area(), |visits| visits[i]);
         self.watch.check_cancelled()?;
         let repeated = self.cuts_triangles().then_some(&ids[..]);
-        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, |i| visits[i], self.is_parallel(), self.watch)?;
-        let order = self.order(&nodes, &ids, &cuts)?;
-        let (order, put) = (|i: usize| order[i], |block: &mut B, lane, id| block.put(lane, id, self.mesh));
+        let cuts = Cuts::<W>::cheapest(&nodes, repeated, COSTS, visits, self.is_parallel(), self.watch)?;
+        let order = self.order_by_rays(&nodes, &ids, &cuts)?;
+        let order = |i: usize| order.as_ref().map_or_else(|| self.order_by_area(&nodes, &cuts, i), |order| order[i]);
+        let put = |block: &mut B, lane, id| block.put(lane, id, self.mesh);
         let (parallel, watch) = (self.is_parallel(), self.watch);
         Draft { binary: &nodes, ids: &ids, cuts: &cuts, order, put, parallel, watch }.lay_out()
     }
 
-    /// Any-hit rays take those children first that get the highest numbers here.
-    fn order<const W: usize>(&self, nodes: &[BinaryNode], ids: &[u32], cuts: &Cuts<W>) -> Result<Vec<f32>> {
-        let mut order = visits::by_area(nodes)?;
-        if self.cuts_triangles() {
-            // Areas say too little about where rays are stopped to be worth dividing by a cost; but where triangles were cut, a large
-            // child that holds little is soon done with.
-            order.iter_mut().enumerate().for_each(|(i, area)| *area /= cuts.count(i) as f32);
-        }
+    /// Any-hit rays take those children first that get the highest numbers.
+    fn order_by_area<const W: usize>(&self, nodes: &[BinaryNode], cuts: &Cuts<W>, node: usize) -> f32 {
+        let area = nodes[node].0.half_area();
+        // Areas say too little about where rays are stopped to be worth dividing by a cost; but where triangles were cut, a large
+        // child that holds little is soon done with.
+        if self.cuts_triangles() { area / cuts.count(node) as f32 } else { area }
+    }
+
+    /// The same numbers where rays have something to say about them.
+    fn order_by_rays<const W: usize>(
+        &self,
+        nodes: &[BinaryNode],
+        ids: &[u32],
+        cuts: &Cuts<W>,
+    ) -> Result<Option<Vec<f32>>> {
+        let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) else { return Ok(None) };
+        let mut order = Vec::new();
+        reserve(&mut order, nodes.len(), "order")?;
+        order.extend((0..nodes.len()).map(|i| self.order_by_area(nodes, cuts, i)));
         // All rays are asked who asks for any hit: there may be few.
-        if let Some(rdh) = self.guide.filter(|rdh| rdh.stages().order == By::Rays) {
-            let askers = Asker::all(rdh, self.bounds.magnitude());
-            let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
-            order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
-        }
-        Ok(order)
+        let askers = Asker::all(rdh, self.bounds.magnitude());
+        let hits = |asker: &Asker, node| self.is_hit_below(nodes, ids, node, &asker.ray);
+        order::score(nodes, cuts, COSTS, &askers, hits, &mut order, self.watch)?;
+        Ok(Some(order))
     }
 
     /// Whether a ray, in scaled space, hits a triangle below a binary node.

@@ -30,7 +30,7 @@ pub(crate) struct Cells<'a> {
 }
 
 /// Larger subtrees are converted on two threads if there are.
-const OWN_ABOVE: usize = 1 << 14;
+const OWN_ABOVE: usize = 1 << 12;
 
 /// Parts are joined in cells that have so few references together: in those that budgets have left large it would take too long.
 const FEW: usize = 64;

@@ -43,7 +43,7 @@ struct Cut<const W: usize> {
 }
 
 /// Subtrees of so many nodes are cut by one thread each.
-const AT_ONCE: usize = 1 << 13;
+const AT_ONCE: usize = 1 << 11;
 
 impl<const W: usize> Cuts<W> {
     /// The cheapest cuts of all subtrees. `visits` gives the weight of each node. Where some primitives may have several references,

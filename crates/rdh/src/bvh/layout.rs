@@ -65,6 +65,7 @@ impl<F: Fn(usize) -> f32 + Sync, G: Sync, const W: usize> Draft<'_, F, G, W> {
         let subtrees = std::mem::take(&mut top.subtrees);
         let place = |subtree: &ToPlace| {
             let mut layout = Layout::new(self, 0);
+            layout.make_room(self.cuts.count(subtree.node) as usize)?;
             layout.place_all(subtree.node, subtree.depth)?;
             layout.close_blocks();
             Ok(layout.arrays)
@@ -157,6 +158,12 @@ where
         Self { draft, leave_up_to, subtrees: Vec::new(), arrays, open: Vec::new(), gathered: Vec::new() }
     }
 
+    /// For what so many references usually need: arrays that grow are copied.
+    fn make_room(&mut self, references: usize) -> Result<()> {
+        reserve(&mut self.arrays.nodes, references / 2 / W + 1, "nodes")?;
+        reserve(&mut self.arrays.blocks, references / LANES * 5 / 4 + 1, "blocks of triangles")
+    }
+
     /// Depth first: a node, then what lies below its first child.
     fn place_all(&mut self, root: usize, depth: usize) -> Result<()> {
         let Draft { binary, cuts, order, watch, .. } = self.draft;
@@ -170,7 +177,10 @@ where
             self.arrays.tally.depth = self.arrays.tally.depth.max(depth + 1);
             let (mut children, n) = self.children(node);
             let children = &mut children[..n];
-            children.sort_by(|&a, &b| order(b).total_cmp(&order(a)));
+            let mut ranks = [(0.0, 0); W];
+            ranks.iter_mut().zip(&*children).for_each(|(rank, &child)| *rank = (order(child), child));
+            ranks[..n].sort_by(|a, b| b.0.total_cmp(&a.0));
+            children.iter_mut().zip(ranks).for_each(|(child, (_, ranked))| *child = ranked);
             // Leaves first, so that those of one node share blocks.
             let mut leaves: Vec<usize> = (0..n).filter(|&i| cuts.is_leaf(binary, children[i])).collect();
             leaves.sort_by_key(|&i| std::cmp::Reverse(cuts.count(children[i])));

@@ -72,11 +72,10 @@ pub(crate) const RAYS_COUNTED: u32 = 64;
 
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<const W: usize, L: Leaves> Bvh<W, L> {
-    /// With nothing counted yet.
-    fn of_arrays(mesh: &Mesh, nodes: Array<Boxes<W>>, blocks: Array<L::Block>) -> Self {
-        let in_mesh = mesh.bounds();
-        let scale = Scale::of(&in_mesh);
-        let bounds = scale.scaled(&in_mesh);
+    /// Over a mesh whose box is given; with nothing counted yet.
+    fn of_arrays(mesh: &Mesh, in_mesh: &Aabb, nodes: Array<Boxes<W>>, blocks: Array<L::Block>) -> Self {
+        let scale = Scale::of(in_mesh);
+        let bounds = scale.scaled(in_mesh);
         let (magnitude, tally, masks) = (bounds.magnitude(), Tally::default(), mesh.mask_array());
         let leaves = L::new(blocks, mesh);
         Self { scale, bounds, magnitude, nodes, leaves, masks, tally, level: Level::best() }
@@ -93,7 +92,7 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// [`Error::Format`](crate::Error::Format) at the first fault, or lack of memory.
     pub(crate) fn from_parts(parts: &Parts<'_>, mesh: &Mesh) -> Result<Self> {
         let (nodes, blocks) = (parts.get(Part::Nodes)?, parts.get(Part::Blocks)?);
-        let tree = Self::of_arrays(mesh, nodes, blocks);
+        let tree = Self::of_arrays(mesh, &mesh.bounds(), nodes, blocks);
         let tally = tree.tally_checked(mesh).map_err(|(place, fault)| parts.error(place, fault.0))?;
         Ok(Self { tally, ..tree })
     }

@@ -22,26 +22,29 @@ const SHARE: usize = 4;
 /// Below nodes that fewer sampled rays visit nothing is moved for their sake.
 const FEW: usize = 4;
 /// Nodes whose areas one thread adds up.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 13;
+/// Nodes that one thread searches a place for at once.
+const SEARCHED: usize = 256;
+/// What lies so far below the root, or deeper, is shared out among threads.
+const SHARED_BELOW: u32 = 8;
 
 /// A tree of the same leaves that costs less, or the same tree. O(rounds · N · nodes searched).
 pub(crate) fn reinsert(nodes: Vec<BinaryNode>, parallel: bool, watch: &Watch<'_>) -> Result<Vec<BinaryNode>> {
     if nodes.is_empty() {
         return Ok(nodes);
     }
-    let (mut tree, mut before) = (Tree::new(&nodes)?, Tree::new(&nodes)?);
+    let mut tree = Tree::new(&nodes)?;
     let mut round = Round::new(nodes.len())?;
     let mut cost = tree.cost(parallel);
     for _ in 0..ROUNDS {
         watch.check_cancelled()?;
-        before.copy_from(&tree);
         if !tree.improve(None, &mut round, parallel, watch)? {
             break;
         }
         // Each move gains by itself; what several of them do to the same ancestors was not asked.
         let now = tree.cost(parallel);
-        if now >= cost || tree.depth() > DEEPEST {
-            tree = before;
+        if now >= cost || tree.depth(parallel) > DEEPEST {
+            tree.undo();
             break;
         }
         cost = now;
@@ -64,7 +67,7 @@ pub(crate) fn reinsert_for(
     for _ in 0..rounds {
         watch.check_cancelled()?;
         let mut tree = Tree::new(&nodes)?;
-        if !tree.improve(Some(&crowd), &mut round, parallel, watch)? || tree.depth() > DEEPEST {
+        if !tree.improve(Some(&crowd), &mut round, parallel, watch)? || tree.depth(parallel) > DEEPEST {
             break;
         }
         let moved = tree.in_preorder(&nodes)?;
@@ -82,6 +85,15 @@ pub(crate) fn reinsert_for(
 pub(crate) struct Tree {
     extents: Vec<Extent>,
     links: Vec<Links>,
+    /// What the nodes that this round has changed were before, in the order of the changes.
+    changes: Vec<Change>,
+}
+
+/// A node as it was.
+struct Change {
+    node: u32,
+    extent: Extent,
+    links: Links,
 }
 
 #[derive(Clone, Copy)]
@@ -99,8 +111,33 @@ pub(crate) struct Move {
     gain: f32,
 }
 
-/// A node that is searched a place for, the one with the largest box first.
-type Candidate = (std::cmp::Reverse<u32>, u32);
+impl Move {
+    /// Moves that gain most come first, then those of nodes that lie first. For gains above 0, whose bits are in order.
+    fn rank(&self) -> u64 {
+        u64::from(!self.gain.to_bits()) << 32 | u64::from(self.node)
+    }
+}
+
+/// A node that is searched a place for, in one number: the one with the largest box comes first, then the one that lies first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Candidate(u64);
+
+impl Candidate {
+    fn new(node: u32, area: f32) -> Self {
+        Self(u64::from(!area.to_bits()) << 32 | u64::from(node))
+    }
+
+    fn node(self) -> u32 {
+        self.0 as u32
+    }
+
+    const BINS: usize = 1 << 12;
+
+    /// By the sign, the exponent and three more bits.
+    fn bin(self) -> usize {
+        (self.0 >> 52) as usize
+    }
+}
 
 /// What a round needs memory for.
 struct Round {
@@ -112,12 +149,11 @@ struct Round {
 
 impl Round {
     fn new(n: usize) -> Result<Self> {
-        let (mut candidates, mut moves, mut touched) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut candidates, mut touched) = (Vec::new(), Vec::new());
         reserve(&mut candidates, n, "nodes")?;
-        reserve(&mut moves, n, "moves")?;
         reserve(&mut touched, n, "nodes")?;
         touched.resize(n, false);
-        Ok(Self { candidates, moves, touched })
+        Ok(Self { candidates, moves: Vec::new(), touched })
     }
 }
 
@@ -133,12 +169,22 @@ impl Tree {
             links[i].children = children.map(|c| c as u32);
             children.into_iter().for_each(|child| links[child].parent = i as u32);
         }
-        Ok(Self { extents, links })
+        Ok(Self { extents, links, changes: Vec::new() })
     }
 
-    fn copy_from(&mut self, other: &Self) {
-        self.extents.copy_from_slice(&other.extents);
-        self.links.copy_from_slice(&other.links);
+    /// As it was before this round.
+    fn undo(&mut self) {
+        for Change { node, extent, links } in self.changes.drain(..).rev() {
+            (self.extents[node as usize], self.links[node as usize]) = (extent, links);
+        }
+    }
+
+    /// To be called before a node is changed.
+    fn remember(&mut self, node: u32) -> Result<()> {
+        reserve(&mut self.changes, 1, "changes")?;
+        let (extent, links) = (self.extents[node as usize], self.links[node as usize]);
+        self.changes.push(Change { node, extent, links });
+        Ok(())
     }
 
     /// The sum of the interior nodes' half areas: chunk by chunk, so that it is the same on any number of threads.
@@ -166,6 +212,7 @@ impl Tree {
         self.choose_candidates(crowd, candidates, parallel);
         self.search(crowd, candidates, moves, parallel, watch)?;
         touched.fill(false);
+        self.changes.clear();
         let mut any = false;
         for (i, step) in moves.iter().enumerate() {
             watch.check_at(i)?;
@@ -174,7 +221,7 @@ impl Tree {
                 continue;
             }
             nodes.iter().for_each(|&node| touched[node as usize] = true);
-            self.apply(step);
+            self.apply(step)?;
             any = true;
         }
         Ok(any)
@@ -189,30 +236,36 @@ impl Tree {
         parallel: bool,
         watch: &Watch<'_>,
     ) -> Result<()> {
-        moves.clear();
-        moves.extend(candidates.iter().map(|&(_, node)| Move { node, to: node, gain: 0.0 }));
-        let search = |moves: &mut [Move]| {
+        let search = |candidates: &[Candidate]| {
             watch.check_cancelled()?;
-            for best in moves {
-                *best = self.best_move(best.node);
-                if let Some(crowd) = crowd.filter(|_| self.is_worth_a_move(best)) {
-                    best.gain = crowd.gain(self, best);
+            let (mut found, mut todo) = (Vec::new(), Vec::with_capacity(64));
+            for candidate in candidates {
+                let mut best = self.best_move(candidate.node(), &mut todo);
+                if let Some(crowd) = crowd.filter(|_| self.is_worth_a_move(&best)) {
+                    best.gain = crowd.gain(self, &best);
+                }
+                if self.is_worth_a_move(&best) {
+                    reserve(&mut found, 1, "moves")?;
+                    found.push(best);
                 }
             }
-            Ok(())
+            Ok(found)
         };
-        if parallel {
-            moves.par_chunks_mut(Watch::STEPS).try_for_each(search)?;
+        let found: Result<Vec<Vec<Move>>> = if parallel {
+            candidates.par_chunks(SEARCHED).map(search).collect()
         } else {
-            moves.chunks_mut(Watch::STEPS).try_for_each(search)?;
+            candidates.chunks(SEARCHED).map(search).collect()
+        };
+        moves.clear();
+        for mut found in found? {
+            reserve(moves, found.len(), "moves")?;
+            moves.append(&mut found);
         }
-        moves.retain(|step| self.is_worth_a_move(step));
         // No two are equal: any sort gives the same.
-        let order = |a: &Move, b: &Move| b.gain.total_cmp(&a.gain).then(a.node.cmp(&b.node));
         if parallel {
-            moves.par_sort_unstable_by(order)
+            moves.par_sort_unstable_by_key(Move::rank)
         } else {
-            moves.sort_unstable_by(order)
+            moves.sort_unstable_by_key(Move::rank)
         }
         Ok(())
     }
@@ -226,26 +279,57 @@ impl Tree {
     /// need not be visited itself.
     fn choose_candidates(&self, crowd: Option<&Crowd<'_>>, candidates: &mut Vec<Candidate>, parallel: bool) {
         let candidate = |node: u32| {
-            let area = std::cmp::Reverse(self.area(node).to_bits());
             let is_visited = crowd.is_none_or(|crowd| crowd.len(self.parent(node)) >= FEW);
-            (self.parent(node) != 0 && is_visited).then_some((area, node))
+            (self.parent(node) != 0 && is_visited).then(|| Candidate::new(node, self.area(node)))
         };
-        let nodes = 1..self.links.len() as u32;
-        candidates.clear();
-        if parallel {
-            candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
-        } else {
-            candidates.extend(nodes.filter_map(candidate));
-        }
+        let all_that = |is_wanted: &(dyn Fn(Candidate) -> bool + Sync), candidates: &mut Vec<Candidate>| {
+            let nodes = 1..self.links.len() as u32;
+            let candidate = |node| candidate(node).filter(|&candidate| is_wanted(candidate));
+            candidates.clear();
+            if parallel {
+                candidates.par_extend(nodes.into_par_iter().filter_map(candidate));
+            } else {
+                candidates.extend(nodes.filter_map(candidate));
+            }
+        };
         if crowd.is_some() {
-            return;
+            return all_that(&|_| true, candidates);
         }
-        let most = candidates.len().div_ceil(SHARE);
-        if most < candidates.len() {
-            candidates.select_nth_unstable(most);
-            candidates.truncate(most);
+        // The last one of those that are wanted lies in this bin: only what is in it must be put in order.
+        let bins = self.bins_of_candidates(&candidate, parallel);
+        let most = bins.iter().sum::<usize>().div_ceil(SHARE);
+        let (mut bin, mut before) = (0, 0);
+        while bin + 1 < bins.len() && before + bins[bin] <= most {
+            before += bins[bin];
+            bin += 1;
         }
-        candidates.sort_unstable_by_key(|&(_, node)| node);
+        all_that(&|candidate| candidate.bin() == bin, candidates);
+        if most - before < candidates.len() {
+            let (_, &mut limit, _) = candidates.select_nth_unstable(most - before);
+            all_that(&|candidate| candidate < limit, candidates);
+        } else {
+            all_that(&|_| true, candidates);
+        }
+    }
+
+    /// How many candidates fall into each bin.
+    fn bins_of_candidates(&self, candidate: &(impl Fn(u32) -> Option<Candidate> + Sync), parallel: bool) -> Vec<usize> {
+        let count = |first: u32| {
+            let mut bins = vec![0; Candidate::BINS];
+            let last = (first + CHUNK as u32).min(self.links.len() as u32);
+            (first.max(1)..last).filter_map(candidate).for_each(|candidate| bins[candidate.bin()] += 1);
+            bins
+        };
+        let merged = |mut a: Vec<usize>, b: Vec<usize>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        let (firsts, none) = (0..self.links.len().div_ceil(CHUNK) as u32, || vec![0; Candidate::BINS]);
+        if parallel {
+            firsts.into_par_iter().map(|i| count(i * CHUNK as u32)).reduce(none, merged)
+        } else {
+            firsts.map(|i| count(i * CHUNK as u32)).fold(none(), merged)
+        }
     }
 
     /// The lowest node above both ends of a move.
@@ -291,7 +375,7 @@ impl Tree {
     }
 
     /// The best new place of a subtree, or none that gains. Goes up from it; from each ancestor down the other side, as long as a gain is possible.
-    fn best_move(&self, node: u32) -> Move {
+    fn best_move(&self, node: u32, todo: &mut Vec<(f32, u32)>) -> Move {
         let extent = &self.extents[node as usize];
         let (area, parent) = (extent.half_area(), self.links[node as usize].parent);
         let mut best = Move { node, to: node, gain: 0.0 };
@@ -299,7 +383,6 @@ impl Tree {
         let mut saved = self.area(parent);
         let (mut pivot, mut side) = (parent, self.sibling(node));
         let mut shrunk = self.extents[side as usize];
-        let mut todo = Vec::with_capacity(64);
         loop {
             todo.push((saved, side));
             while let Some((saved, to)) = todo.pop() {
@@ -312,8 +395,8 @@ impl Tree {
                     best = Move { node, to, gain };
                 }
                 let [left, right] = self.links[to as usize].children;
-                if left != 0 {
-                    let inside = gain + self.area(to);
+                let inside = gain + self.area(to);
+                if left != 0 && inside - area > best.gain {
                     todo.extend([(inside, left), (inside, right)]);
                 }
             }
@@ -346,18 +429,18 @@ impl Tree {
     }
 
     /// Takes a subtree out; its parent becomes that of it and of its new sibling.
-    fn apply(&mut self, step: &Move) {
+    fn apply(&mut self, step: &Move) -> Result<()> {
         let (node, to) = (step.node, step.to);
         let (parent, sibling) = (self.links[node as usize].parent, self.sibling(node));
-        let grandparent = self.links[parent as usize].parent;
+        let (grandparent, above) = (self.links[parent as usize].parent, self.links[to as usize].parent);
+        [parent, sibling, grandparent, to, above].into_iter().try_for_each(|node| self.remember(node))?;
         self.replace_child(grandparent, parent, sibling);
-        let above = self.links[to as usize].parent;
         self.replace_child(above, to, parent);
         self.links[parent as usize].children = [to, node];
         self.links[to as usize].parent = parent;
         self.extents[parent as usize] = self.union_of_children(parent);
-        self.refit(grandparent);
-        self.refit(above);
+        self.refit(grandparent)?;
+        self.refit(above)
     }
 
     fn union_of_children(&self, node: u32) -> Extent {
@@ -377,20 +460,41 @@ impl Tree {
     }
 
     /// Boxes from a node up, as far as they change.
-    fn refit(&mut self, mut node: u32) {
+    fn refit(&mut self, mut node: u32) -> Result<()> {
         loop {
             let (both, old) = (self.union_of_children(node), self.extents[node as usize]);
-            self.extents[node as usize] = both;
             let is_same = (both.min, both.negated_max) == (old.min, old.negated_max);
-            if node == 0 || is_same {
-                return;
+            if is_same {
+                return Ok(());
+            }
+            self.remember(node)?;
+            self.extents[node as usize] = both;
+            if node == 0 {
+                return Ok(());
             }
             node = self.links[node as usize].parent;
         }
     }
 
-    fn depth(&self) -> u32 {
-        let (mut deepest, mut todo) = (0, vec![(0u32, 0)]);
+    fn depth(&self, parallel: bool) -> u32 {
+        if !parallel {
+            return self.depth_below(0);
+        }
+        let (mut level, mut depth) = (vec![0u32], 0);
+        while depth < SHARED_BELOW {
+            let children = level.iter().flat_map(|&node| self.links[node as usize].children);
+            let next: Vec<u32> = children.filter(|&child| child != 0).collect();
+            if next.is_empty() {
+                return depth;
+            }
+            (level, depth) = (next, depth + 1);
+        }
+        depth + level.par_iter().map(|&node| self.depth_below(node)).max().unwrap_or(0)
+    }
+
+    /// Of a subtree.
+    fn depth_below(&self, root: u32) -> u32 {
+        let (mut deepest, mut todo) = (0, vec![(root, 0)]);
         while let Some((node, depth)) = todo.pop() {
             deepest = deepest.max(depth);
             let [left, right] = self.links[node as usize].children;

@@ -19,7 +19,7 @@ use crate::options::Watch;
 /// Overlaps below this part of the whole structure's area are not worth a cut.
 const LEAST_OVERLAP: f32 = 1e-5;
 /// Larger subtrees grow on two threads if there are.
-const OWN_ABOVE: usize = 1 << 14;
+const OWN_ABOVE: usize = 1 << 12;
 
 /// Grows a tree over references, of which cuts may add `spare`.
 pub(crate) fn grow(

@@ -34,9 +34,9 @@ pub(crate) enum Border {
 impl Border {
     /// Whether a primitive goes left. No closure: those lose the kernel's instruction set.
     #[inline(always)]
-    fn has_left<K: Kernels>(&self, primitive: &Extent) -> bool {
+    fn has_left(&self, primitive: &Extent) -> bool {
         match self {
-            Self::Bin { grid, axis, bin } => grid.bins_of::<K>(primitive, primitive)[*axis] <= *bin,
+            Self::Bin { grid, axis, bin } => grid.is_up_to(primitive, axis % 3, *bin),
             Self::Place { axis, last } => Place::of(primitive, *axis).is_up_to(last),
         }
     }
@@ -79,34 +79,42 @@ impl Grid {
         let ([ax, ay, az], [bx, by, bz]) = (a.doubled_centre(), b.doubled_centre());
         K::bin(&[ax, ay, az, 1.0, bx, by, bz, 1.0], &self.first, &self.scale, self.last)
     }
+
+    /// Whether a primitive's bin on an axis comes up to one that is not the last: the same numbers, which are not negative, compared
+    /// before they are rounded down.
+    #[inline(always)]
+    fn is_up_to(&self, primitive: &Extent, axis: usize, bin: i32) -> bool {
+        let centre = primitive.min[axis] - primitive.negated_max[axis];
+        (centre - self.first[axis]) * self.scale[axis] < (bin + 1) as f32
+    }
 }
 
-/// Bins of all axes: boxes and numbers.
-struct Bins {
-    boxes: [[Extent; MAX_BINS]; 3],
-    counts: [[u32; MAX_BINS]; 3],
+/// Bins of all axes, a power of two each: boxes and numbers.
+struct Bins<const N: usize = MAX_BINS> {
+    boxes: [[Extent; N]; 3],
+    counts: [[u32; N]; 3],
 }
 
-impl Bins {
-    const EMPTY: Self = Self { boxes: [[Extent::EMPTY; MAX_BINS]; 3], counts: [[0; MAX_BINS]; 3] };
+impl<const N: usize> Bins<N> {
+    const EMPTY: Self = Self { boxes: [[Extent::EMPTY; N]; 3], counts: [[0; N]; 3] };
 
     #[inline(always)]
     fn add<K: Kernels>(&mut self, primitive: &Extent, bins: [i32; 3]) {
         for (a, bin) in bins.into_iter().enumerate() {
-            let bin = bin as usize & (MAX_BINS - 1);
+            let bin = bin as usize % N;
             self.boxes[a][bin].grow::<K>(primitive);
             self.counts[a][bin] += 1;
         }
     }
 
-    fn merge(mut self, other: &Self) -> Self {
+    #[inline(always)]
+    fn merge<K: Kernels>(&mut self, other: &Self) {
         for a in 0..3 {
-            for bin in 0..MAX_BINS {
-                self.boxes[a][bin].grow::<Portable>(&other.boxes[a][bin]);
+            for bin in 0..N {
+                self.boxes[a][bin].grow::<K>(&other.boxes[a][bin]);
                 self.counts[a][bin] += other.counts[a][bin];
             }
         }
-        self
     }
 }
 
@@ -143,7 +151,8 @@ fn subtree(n: u32) -> f32 {
 /// What the tests of `n` primitives count in the cost of a split.
 #[inline(always)]
 pub(crate) fn tests(n: u32) -> f32 {
-    0.5 * (n.div_ceil(8) as f32 + n as f32 * 0.125)
+    // Signed, since that is what CPUs convert.
+    0.5 * (((n + 7) >> 3) as i32 as f32 + n as i32 as f32 * 0.125)
 }
 
 /// Who knows whether to go on, if anybody does.
@@ -164,7 +173,7 @@ pub(crate) struct Search {
 }
 
 /// Sets of more primitives are put into bins in chunks of this size.
-const CHUNK: usize = 1 << 15;
+const CHUNK: usize = 1 << 13;
 
 impl Search {
     /// The cheapest split, unless all centres coincide. O(n) by bins, O(n log n) by sweeping, which asks whether to go on; if not
@@ -193,7 +202,11 @@ impl Search {
         use rayon::prelude::*;
         let chunks = primitives.par_chunks(CHUNK).map(|primitives| self.level.run(Fill { primitives, grid }));
         // Minima and sums of integers: any order gives the same.
-        chunks.reduce(|| Box::new(Bins::EMPTY), |a, b| Box::new(a.merge(&b)))
+        let merged = |mut a: Box<Bins>, b: Box<Bins>| {
+            a.merge::<Portable>(&b);
+            a
+        };
+        chunks.reduce(|| Box::new(Bins::EMPTY), merged)
     }
 
     /// The cheapest split where the chances that a ray in the node visits what lies on each side come from `chances`: of the boxes of
@@ -270,11 +283,23 @@ struct Find<'a> {
 impl Job for Find<'_> {
     type Output = Option<Split>;
 
+    /// Most nodes are small: what they don't need is not even cleared.
     #[inline(always)]
     fn run<K: Kernels>(self) -> Option<Split> {
-        let mut bins = Bins::EMPTY;
-        fill::<K>(self.primitives, &self.grid, &mut bins);
-        choose::<K>(&bins, &self.grid)
+        match self.grid.last {
+            ..8 => self.find::<K, 8>(),
+            8..16 => self.find::<K, 16>(),
+            _ => self.find::<K, MAX_BINS>(),
+        }
+    }
+}
+
+impl Find<'_> {
+    #[inline(always)]
+    fn find<K: Kernels, const N: usize>(self) -> Option<Split> {
+        let mut bins = Bins::<N>::EMPTY;
+        fill::<K, N>(self.primitives, &self.grid, &mut bins);
+        choose::<K, N>(&bins, &self.grid)
     }
 }
 
@@ -289,7 +314,7 @@ impl Job for Fill<'_> {
     #[inline(always)]
     fn run<K: Kernels>(self) -> Box<Bins> {
         let mut bins = Box::new(Bins::EMPTY);
-        fill::<K>(self.primitives, &self.grid, &mut bins);
+        fill::<K, MAX_BINS>(self.primitives, &self.grid, &mut bins);
         bins
     }
 }
@@ -304,12 +329,21 @@ impl Job for Choose<'_> {
 
     #[inline(always)]
     fn run<K: Kernels>(self) -> Option<Split> {
-        choose::<K>(self.bins, &self.grid)
+        choose::<K, MAX_BINS>(self.bins, &self.grid)
     }
 }
 
+/// Of more primitives a bin every other one gets bins of its own: neighbours share bins, and had to wait for each other.
+const ALTERNATE_ABOVE: usize = 16;
+
 #[inline(always)]
-fn fill<K: Kernels>(primitives: &[Extent], grid: &Grid, bins: &mut Bins) {
+fn fill<K: Kernels, const N: usize>(primitives: &[Extent], grid: &Grid, bins: &mut Bins<N>) {
+    if primitives.len() > ALTERNATE_ABOVE * N {
+        let mut others = Bins::EMPTY;
+        fill_alternately::<K, N>(primitives, grid, bins, &mut others);
+        bins.merge::<K>(&others);
+        return;
+    }
     let pairs = primitives.chunks_exact(2);
     if let [last] = pairs.remainder() {
         let b = grid.bins_of::<K>(last, last);
@@ -322,10 +356,29 @@ fn fill<K: Kernels>(primitives: &[Extent], grid: &Grid, bins: &mut Bins) {
     }
 }
 
+#[inline(always)]
+fn fill_alternately<K: Kernels, const N: usize>(
+    primitives: &[Extent],
+    grid: &Grid,
+    bins: &mut Bins<N>,
+    others: &mut Bins<N>,
+) {
+    let pairs = primitives.chunks_exact(2);
+    if let [last] = pairs.remainder() {
+        let b = grid.bins_of::<K>(last, last);
+        bins.add::<K>(last, [b[0], b[1], b[2]]);
+    }
+    for pair in pairs {
+        let b = grid.bins_of::<K>(&pair[0], &pair[1]);
+        bins.add::<K>(&pair[0], [b[0], b[1], b[2]]);
+        others.add::<K>(&pair[1], [b[4], b[5], b[6]]);
+    }
+}
+
 /// The cheapest plane between bins that leaves something on both sides.
 #[inline(always)]
-fn choose<K: Kernels>(bins: &Bins, grid: &Grid) -> Option<Split> {
-    let last = grid.last as usize;
+fn choose<K: Kernels, const N: usize>(bins: &Bins<N>, grid: &Grid) -> Option<Split> {
+    let last = (grid.last as usize).min(N - 1);
     let (mut best_cost, mut best) = (f32::INFINITY, None);
     for a in 0..3 {
         if grid.scale[a] == 0.0 {
@@ -333,7 +386,7 @@ fn choose<K: Kernels>(bins: &Bins, grid: &Grid) -> Option<Split> {
         }
         let (boxes, counts) = (&bins.boxes[a], &bins.counts[a]);
         // From the right: what a split after each bin would cost on its right side.
-        let mut right_costs = [0.0; MAX_BINS];
+        let mut right_costs = [0.0; N];
         let (mut side, mut n) = (Extent::EMPTY, 0);
         for bin in (1..=last).rev() {
             side.grow::<K>(&boxes[bin]);
@@ -371,26 +424,19 @@ struct Part<'a> {
 impl Job for Part<'_> {
     type Output = (usize, [Centres; 2]);
 
-    /// Two ends move towards each other; what stands on the wrong side is swapped.
+    /// Each primitive changes places with the first one on the right, which is then the left side's last one or stays where it came to:
+    /// no branch, since where primitives go is hard to guess.
     #[inline(always)]
     fn run<K: Kernels>(self) -> (usize, [Centres; 2]) {
         let Self { primitives, split } = self;
-        let (mut low, mut high) = (0, primitives.len());
-        let mut centres = [Centres::EMPTY; 2];
-        loop {
-            while low < high && split.border.has_left::<K>(&primitives[low]) {
-                centres[0].grow::<K>(&centre(&primitives[low]));
-                low += 1;
-            }
-            while low < high && !split.border.has_left::<K>(&primitives[high - 1]) {
-                centres[1].grow::<K>(&centre(&primitives[high - 1]));
-                high -= 1;
-            }
-            if low >= high {
-                return (low, centres);
-            }
-            primitives.swap(low, high - 1);
+        let (mut left, mut centres) = (0, [Centres::EMPTY; 2]);
+        for i in 0..primitives.len() {
+            let is_left = split.border.has_left(&primitives[i]);
+            centres[usize::from(!is_left)].grow::<K>(&centre(&primitives[i]));
+            primitives.swap(left, i);
+            left += usize::from(is_left);
         }
+        (left, centres)
     }
 }
 

@@ -10,14 +10,6 @@ use crate::options::Watch;
 /// cost nothing: no cut would be cheaper than another, and the first one, into nodes of two, would be taken.
 const LEAST: f32 = 1e-4;
 
-/// The areas of all nodes.
-pub(crate) fn by_area(nodes: &[BinaryNode]) -> Result<Vec<f32>> {
-    let mut areas = Vec::new();
-    reserve(&mut areas, nodes.len(), "visits")?;
-    areas.extend(nodes.iter().map(|node| node.0.half_area()));
-    Ok(areas)
-}
-
 /// The chances that a ray which meets the root visits each node: sends the heuristic's rays down the tree, and tells those of each
 /// node. O(R · nodes visited by a ray).
 pub(crate) fn measure(

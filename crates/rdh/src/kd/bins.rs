@@ -16,7 +16,7 @@ const FEWER: usize = 32;
 /// Nodes of up to so many references are small.
 const SMALL: usize = 512;
 /// References that one thread sorts into bins.
-const CHUNK: usize = 1 << 15;
+const CHUNK: usize = 1 << 13;
 
 /// How many lower and upper bounds fall into each bin, for all three axes, and the first and last of them.
 pub(crate) struct Bins {

@@ -63,7 +63,7 @@ struct Grown {
 /// Subtrees of more references are built by two threads.
 const PARALLEL_ABOVE: usize = 4096;
 /// References that one thread cuts.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 13;
 /// Subtrees of more references are not pruned: no leaf of that size pays.
 const PRUNE_UP_TO: usize = 256;
 
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn build<K: Kept>(&self, refs: Vec<Reference>, cell: Aabb, max_refs: usize) -> Result<Branches<K>> {
         let rays = self.heuristic.root(&cell);
         let todo = Todo {
-            tight: refs.iter().fold(Slice::EMPTY, |tight, r| tight.union(r.slice())).bounds(),
+            tight: self.measure(&refs),
             cell,
             rays,
             chance: 1.0,
@@ -100,6 +100,16 @@ impl<'a> Builder<'a> {
             budget: max_refs.max(refs.len()),
         };
         Ok(self.grow(refs, todo)?.0)
+    }
+
+    /// The box of some references. In their order: which of two zeros counts does not depend on threads.
+    fn measure(&self, refs: &[Reference]) -> Aabb {
+        let measure = |refs: &[Reference]| refs.iter().fold(Slice::EMPTY, |tight, r| tight.union(r.slice()));
+        if !self.parallel {
+            return measure(refs).bounds();
+        }
+        let chunks: Vec<Slice> = refs.par_chunks(CHUNK).map(measure).collect();
+        chunks.into_iter().fold(Slice::EMPTY, Slice::union).bounds()
     }
 
     /// Large subtrees: both sides in parallel.
@@ -117,9 +127,8 @@ impl<'a> Builder<'a> {
             let leaf = self.leaf(&mut branches, &refs)?;
             return Ok((branches, leaf));
         };
-        let (left, right, sides) = self.partition(&refs, &split)?;
+        let (left, right, sides) = self.partition(refs, &split)?;
         let [todo_left, todo_right] = self.children(&todo, &split, failures, sides);
-        drop(refs);
         let (l, r) = rayon::join(|| self.grow(left, todo_left), || self.grow(right, todo_right));
         let ((mut branches, l), (other, r)): ((Branches<K>, _), (Branches<K>, _)) = (l?, r?);
         let shift = branches.append(&other)?;
@@ -291,8 +300,16 @@ impl Builder<'_> {
         Ok([low.side(), high.side()])
     }
 
-    /// Cuts references into two new lists: large ones in chunks, one after the other.
-    fn partition(&self, refs: &[Reference], split: &Split) -> Result<(Vec<Reference>, Vec<Reference>, [Side; 2])> {
+    /// Cuts references into two lists: large ones in chunks, on several threads.
+    fn partition(&self, refs: Vec<Reference>, split: &Split) -> Result<(Vec<Reference>, Vec<Reference>, [Side; 2])> {
+        if refs.len() <= CHUNK {
+            let (mut left, mut right) = (refs, Vec::new());
+            let sides = self.partition_in(&mut left, 0, split)?;
+            reserve(&mut right, sides[1].n, "references")?;
+            right.extend_from_slice(&left[left.len() - sides[1].n..]);
+            left.truncate(sides[0].n);
+            return Ok((left, right, sides));
+        }
         let cut = |refs: &[Reference]| -> Result<_> {
             let mut stack = Vec::new();
             reserve(&mut stack, 2 * refs.len(), "references")?;

@@ -37,6 +37,14 @@ impl Candidates {
         self.resize(len, plane, n);
     }
 
+    /// At least so many candidates, all of which are yet to be set but for those at the end, whose planes are.
+    #[inline(always)]
+    pub(crate) fn lengthen(&mut self, len: usize, plane: f32) {
+        self.flats_right_from = usize::MAX;
+        self.planes.truncate(len);
+        self.resize(len, plane, 0);
+    }
+
     /// Makes room for as many in all: those that lie flat in a plane may be listed twice, each time rounded up.
     fn reserve(&mut self, len: usize) -> Result<()> {
         let len = len + 16;

@@ -34,7 +34,7 @@ impl Few {
         let n = self.n;
         let (low, high) = (&self.low[axis][..n], &self.high[axis][..n]);
         // Whole lanes: the rest repeats a plane.
-        candidates.reset(2 * n, high[n - 1], n as u32);
+        candidates.lengthen(2 * n, high[n - 1]);
         let (planes, _, _) = candidates.parts(0..2 * n);
         planes[..n].copy_from_slice(low);
         planes[n..].copy_from_slice(high);
@@ -48,12 +48,18 @@ impl Few {
     fn add_flats(&self, axis: usize, candidates: &mut Candidates) {
         let n = self.n as u32;
         let first = candidates.len();
+        let (mut all_flat, mut count) = ([0.0; FEW], 0);
+        for (&low, &high) in self.low[axis][..self.n].iter().zip(&self.high[axis][..self.n]) {
+            all_flat[count] = low;
+            count += usize::from(low == high);
+        }
+        let all_flat = &all_flat[..count];
         let mut flats = [(0.0, 0, 0, 0); 2 * FEW + 8];
         let mut found = 0;
         let (planes, left, right) = candidates.parts(0..first);
         for ((&plane, left), &right) in planes.iter().zip(left).zip(&*right) {
             let separates = *left < n || right < n;
-            let flat = if separates { self.count_flat(axis, plane) } else { 0 };
+            let flat = if separates { all_flat.iter().filter(|&&flat| flat == plane).count() as u32 } else { 0 };
             if flat > 0 {
                 *left += flat;
                 flats[found] = (plane, *left, right, flat);
@@ -61,11 +67,6 @@ impl Few {
             }
         }
         candidates.push_flats_right(&flats[..found], n);
-    }
-
-    fn count_flat(&self, a: usize, plane: f32) -> u32 {
-        let pairs = self.low[a][..self.n].iter().zip(&self.high[a][..self.n]);
-        pairs.filter(|&(&low, &high)| low == plane && high == plane).count() as u32
     }
 }
 

@@ -67,10 +67,10 @@ impl KdTree {
     /// # Errors
     /// [`Error::OverBudget`], [`Error::OutOfMemory`] or [`Error::Cancelled`].
     pub fn build(mesh: &Mesh, spec: &KdSpec, heuristic: &dyn Heuristic, options: &BuildOptions<'_>) -> Result<Self> {
-        let in_mesh = mesh.bounds();
+        let parallel = options.threads != Some(1);
+        let in_mesh = mesh.bounds_by(parallel);
         let scale = Scale::of(&in_mesh);
         let clipper = TriangleClipper { mesh, scale: scale.factor() };
-        let parallel = options.threads != Some(1);
         let bounds = scale.scaled(&in_mesh);
         let branches = grow(&clipper, bounds, spec, heuristic, max_refs(mesh.len(), options)?, options)?;
         let root = branches.nodes.len() as u32 - 1;

@@ -185,14 +185,17 @@ impl Job for Cheapest<'_> {
             let end = start + LANES;
             let (left, right) = (&left[start..end], &right[start..end]);
             let (chance_left, chance_right) = (&chance_left[start..end], &chance_right[start..end]);
+            // Into new arrays: writing to some elements alone becomes masked stores, which take some CPUs dozens of cycles.
+            let (mut costs_now, mut places_now) = ([0.0; LANES], [0; LANES]);
             for i in 0..LANES {
                 let chance = SplitProbability { left: chance_left[i], right: chance_right[i] };
                 let cost = self.costs.split(chance, left[i], right[i]);
-                let separates = left[i] < self.n || right[i] < self.n;
-                let is_better = separates && cost < costs[i];
-                costs[i] = if is_better { cost } else { costs[i] };
-                places[i] = if is_better { (start + i) as u32 } else { places[i] };
+                // Without branches, so that all lanes are done at once.
+                let is_better = ((left[i] < self.n) | (right[i] < self.n)) & (cost < costs[i]);
+                costs_now[i] = if is_better { cost } else { costs[i] };
+                places_now[i] = if is_better { (start + i) as u32 } else { places[i] };
             }
+            (costs, places) = (costs_now, places_now);
         }
         let (mut best, mut least) = (u32::MAX, f32::INFINITY);
         for (&cost, &place) in costs.iter().zip(&places) {

@@ -11,7 +11,7 @@ mod settled;
 mod stack;
 
 pub(crate) use array::{Array, Bytes, Lent, Plain, bytes_of};
-pub(crate) use settled::{joined, settled_bytes};
+pub(crate) use settled::{joined, made, settled_bytes};
 pub(crate) use stack::{Slots, Stack};
 
 use crate::error::{Error, Result};

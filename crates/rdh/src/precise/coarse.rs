@@ -6,6 +6,7 @@
 //! of a walk holds that: docs/watertight.md, "Double precision". What f64 rounds is 2⁻²⁸ of it.
 
 use super::mesh::MeshF64;
+use super::powers::{exponent_above, times_power};
 use super::ray::{HitF64, RayF64};
 use crate::error::Result;
 use crate::geom::{GeomId, Hit, InstId, Ray, Vec3};
@@ -106,16 +107,16 @@ impl Image {
         times_power(t, self.exponent) - self.ahead
     }
 
-    /// A number in f32 that is surely not above it.
+    /// A number in f32 that is surely not above it, nor above what was rounded to it.
     fn before(&self, t: f64) -> f32 {
-        let t = self.t(t) - PAD;
+        let t = self.t(t.next_down()) - PAD;
         // Rounded to the nearest; a step down is more.
         if t == f64::NEG_INFINITY { f32::NEG_INFINITY } else { (t as f32).next_down() }
     }
 
-    /// A number in f32 that is surely not below it.
+    /// A number in f32 that is surely not below it, nor below what was rounded to it.
     pub(super) fn behind(&self, t: f64) -> f32 {
-        let t = self.t(t) + PAD;
+        let t = self.t(t.next_up()) + PAD;
         if t == f64::INFINITY { f32::INFINITY } else { (t as f32).next_up() }
     }
 
@@ -126,44 +127,9 @@ impl Image {
     }
 }
 
-/// The smallest power of two that is larger, by its exponent; 0 for 0.
-fn exponent_above(x: f64) -> i32 {
-    if x == 0.0 {
-        return 0;
-    }
-    let exponent = (x.to_bits() >> 52 & 0x7ff) as i32;
-    let of_fraction = |bits: u64| -1074 + (64 - bits.leading_zeros() as i32);
-    if exponent == 0 { of_fraction(x.to_bits()) } else { exponent - 1022 }
-}
-
-/// `x · 2^exponent`: exact, unless it leaves the range of numbers.
-fn times_power(x: f64, exponent: i32) -> f64 {
-    let power = |e: i32| f64::from_bits(((1023 + e) as u64) << 52);
-    // In steps that are numbers; those that go one way can't go wrong on the way.
-    let mut left = exponent.clamp(-4000, 4000);
-    let mut x = x;
-    while left != 0 {
-        let step = left.clamp(-1000, 1000);
-        x *= power(step);
-        left -= step;
-    }
-    x
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn powers_are_exact() {
-        for (x, exponent, expected) in [(3.0, -1, 1.5), (f64::from_bits(1), 1074, 1.0), (1e300, 2000, f64::INFINITY)] {
-            assert_eq!(times_power(x, exponent), expected);
-        }
-        for x in [1.0, 1.5, 0.75, 1e-310, f64::MAX, f64::from_bits(1)] {
-            let above = exponent_above(x);
-            assert!((0.5..1.0).contains(&times_power(x, -above)), "{x:e}");
-        }
-    }
 
     #[test]
     fn ends_are_moved_outwards() {

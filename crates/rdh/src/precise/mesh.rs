@@ -11,6 +11,8 @@ pub struct MeshF64 {
     positions: Array<[f64; 3]>,
     triangles: Array<[u32; 3]>,
     masks: Option<Array<u32>>,
+    /// The largest size of a coordinate of a triangle.
+    reach: f64,
 }
 
 impl MeshF64 {
@@ -27,7 +29,9 @@ impl MeshF64 {
             }
         }
         Mesh::check_indices(&triangles, positions.len())?;
-        Ok(Self { positions: positions.into(), triangles: triangles.into(), masks: None })
+        let coordinates = triangles.as_flattened().iter().flat_map(|&i| positions[i as usize]);
+        let reach = coordinates.fold(0.0, |reach: f64, x| reach.max(x.abs()));
+        Ok(Self { positions: positions.into(), triangles: triangles.into(), masks: None, reach })
     }
 
     /// Gives each triangle a mask; a ray sees it when `ray.mask & mask != 0`. The default is all ones.
@@ -75,6 +79,11 @@ impl MeshF64 {
     /// The three corners of a triangle.
     pub fn corners(&self, tri: TriId) -> [[f64; 3]; 3] {
         self.triangles[tri.index()].map(|i| self.positions[i as usize])
+    }
+
+    /// The largest size of a coordinate of a triangle.
+    pub(super) fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// Whether a ray with this mask sees a triangle.

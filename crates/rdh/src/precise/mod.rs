@@ -7,12 +7,14 @@
 //! The hierarchy only sifts: that it loses no hit is argued in docs/watertight.md. Answers are those of brute force ([`naive`]), bit for
 //! bit, and no ray escapes from a closed mesh.
 //!
-//! `mesh`, `ray` and `hit` are the data; `exact` compares products; `triangle` is THE test; `coarse` makes images in f32; `trace` walks.
+//! `mesh` and `ray` are the data; `exact` compares products, `powers` scales; `triangle` is THE test; `coarse` makes images in f32;
+//! `trace` walks.
 
 mod coarse;
 mod exact;
 mod mesh;
 pub mod naive;
+mod powers;
 mod ray;
 mod trace;
 mod triangle;

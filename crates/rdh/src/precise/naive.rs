@@ -23,7 +23,7 @@ pub fn all_hits(mesh: &MeshF64, ray: &RayF64) -> Vec<HitF64> {
 }
 
 fn hits(mesh: &MeshF64, ray: &RayF64) -> impl Iterator<Item = (HitF64, Sheared)> {
-    let (frame, mask) = (ray.is_valid().then(|| Frame::new(ray)), ray.mask);
+    let (frame, mask) = (ray.is_valid().then(|| Frame::new(ray, mesh)), ray.mask);
     let ids = 0..if frame.is_some() { mesh.len() as u32 } else { 0 };
     ids.map(TriId)
         .filter(move |&tri| mesh.is_seen(tri, mask))

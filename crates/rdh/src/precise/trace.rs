@@ -33,7 +33,7 @@ impl<L: Leaves, const W: usize> Job for Walk<'_, L, W> {
     fn run<K: Kernels>(self) {
         let Self { tree, query } = self;
         if let Some(boxes) = tree.box_ray::<K>(&query.image.ray) {
-            let frame = Frame::new(query.ray);
+            let frame = Frame::new(query.ray, query.mesh);
             tree.lead::<K, _, _>(&mut Decider::<K> { boxes, frame, query }, &mut ());
         }
     }

@@ -1,9 +1,12 @@
 //! THE triangle test in f64: that of `geom/triangle.rs`, with exact signs by splitting products.
 //!
 //! A corner's sheared point depends on the ray and the corner alone, and the signs of the edge functions are exact, so there are no
-//! gaps: section 1 of docs/watertight.md holds word for word, with 2⁻⁵³ for 2⁻²⁴.
+//! gaps: section 1 of docs/watertight.md holds word for word, with 2⁻⁵³ for 2⁻²⁴. What is computed is scaled by powers of two, the same
+//! for all triangles of a mesh, so that nothing of it over- or underflows that is not far below rounding.
 
 use super::exact;
+use super::mesh::MeshF64;
+use super::powers::{exponent_above, times_power};
 use super::ray::{HitF64, RayF64};
 use crate::geom::TriId;
 
@@ -14,12 +17,17 @@ pub(super) struct Frame {
     k: [usize; 3],
     origin: [f64; 3],
     shear: [f64; 2],
+    /// The direction's component along z, brought near 1.
     direction_z: f64,
+    /// 2 to this scales differences of corner and origin so that none is above ¼.
+    exponent: i32,
+    /// 2 to this makes the ray's `t` of that in scaled numbers.
+    t_exponent: i32,
     t_min: f64,
     t_max: f64,
 }
 
-/// A triangle in a ray's frame: its corners' x and y, brought near 1 by a power of two, and their depths as they are.
+/// A triangle in a ray's frame: its corners' x and y, scaled by the frame and then brought near 1; their depths, scaled by the frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheared {
     x: [f64; 3],
@@ -28,7 +36,8 @@ pub(super) struct Sheared {
 }
 
 impl Frame {
-    pub(super) fn new(ray: &RayF64) -> Self {
+    /// Prepares a valid ray for a mesh.
+    pub(super) fn new(ray: &RayF64, mesh: &MeshF64) -> Self {
         let [x, y, z] = ray.direction.map(f64::abs);
         let k = if x > y && x > z {
             [1, 2, 0]
@@ -39,12 +48,17 @@ impl Frame {
         };
         let [dx, dy, dz] = k.map(|a| ray.direction[a]);
         let (origin, shear) = (k.map(|a| ray.origin[a]), [dx / dz, dy / dz]);
-        Self { k, origin, shear, direction_z: dz, t_min: ray.t_min, t_max: ray.t_max }
+        let reach = origin.iter().fold(mesh.reach(), |reach, x| reach.max(x.abs()));
+        // The sum of two is below ¼, and what is sheared below ½.
+        let (exponent, shorten) = (-exponent_above(reach) - 3, -exponent_above(dz.abs()));
+        let direction_z = times_power(dz, shorten);
+        let t_exponent = shorten - exponent;
+        Self { k, origin, shear, direction_z, exponent, t_exponent, t_min: ray.t_min, t_max: ray.t_max }
     }
 
     /// The corners in this frame; nothing if they are too far away for numbers.
     fn shear(&self, corners: &[[f64; 3]; 3]) -> Option<Sheared> {
-        let along = |a: usize| corners.map(|c| c[self.k[a]] - self.origin[a]);
+        let along = |a: usize| corners.map(|c| times_power(c[self.k[a]] - self.origin[a], self.exponent));
         let z = along(2);
         let across = |a: usize| {
             let straight = along(a);
@@ -55,6 +69,7 @@ impl Frame {
         // A maximum does not see a NaN.
         let finite = x.iter().chain(&y).all(|c| c.is_finite());
         let factor = near_one(largest);
+        debug_assert!(!finite || largest < 0.5 && factor > 1.0);
         (finite && largest > 0.0).then(|| Sheared { x: x.map(|c| c * factor), y: y.map(|c| c * factor), z })
     }
 
@@ -70,7 +85,7 @@ impl Frame {
         let sum = w[0] + w[1] + w[2];
         let depth = (w[0] * p.z[0] + w[1] * p.z[1] + w[2] * p.z[2]) / sum;
         // Adding 0 turns -0 into 0, so that equal distances have equal bits.
-        let t = depth / self.direction_z + 0.0;
+        let t = times_power(depth / self.direction_z, self.t_exponent) + 0.0;
         let hit = HitF64 { t, u: w[1] / sum, v: w[2] / sum, tri };
         (t >= self.t_min && t <= self.t_max && t.is_finite()).then_some((hit, p))
     }
@@ -79,11 +94,10 @@ impl Frame {
 /// The edge across from each corner, in the orientation of `geom/triangle.rs`.
 const EDGES: [[usize; 2]; 3] = [[2, 1], [0, 2], [1, 0]];
 
-/// The power of two that brings a number to between 1 and 2, as far as there is one.
+/// The power of two that brings a number below ½ to between 1 and 2, as far as there is one.
 fn near_one(x: f64) -> f64 {
-    let exponent = (x.to_bits() >> 52 & 0x7ff) as i64 - 1023;
-    // 2⁻¹⁰²³ is no normal number, but one.
-    if exponent == 1023 { f64::MIN_POSITIVE / 2.0 } else { f64::from_bits(((1023 - exponent.max(-1023)) as u64) << 52) }
+    let exponent = (x.to_bits() >> 52) as i64 - 1023;
+    f64::from_bits(((1023 - exponent.max(-1023)) as u64) << 52)
 }
 
 /// Whether a triangle that was hit also owns the crossing, as [`owns_crossing`](crate::geom::owns_crossing) has it.
