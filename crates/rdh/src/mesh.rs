@@ -4,11 +4,9 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::clip::Slice;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, TriId, Vec3};
 use crate::mem::{Array, bytes_of, made};
-use crate::simd::Four;
 
 /// Triangles that one thread looks at.
 const CHUNK: usize = 1 << 13;
@@ -155,7 +153,7 @@ impl Mesh {
 
     /// The box of all triangles; empty for the empty mesh. Vertices that no triangle uses don't count.
     pub fn bounds(&self) -> Aabb {
-        self.bounds_of(&self.triangles).bounds()
+        self.bounds_of(&self.triangles)
     }
 
     /// The same, found by several threads if they are to.
@@ -164,13 +162,12 @@ impl Mesh {
             return self.bounds();
         }
         // In the order of the triangles: which of two zeros counts does not depend on threads.
-        let chunks: Vec<Slice> = self.triangles.par_chunks(CHUNK).map(|triangles| self.bounds_of(triangles)).collect();
-        chunks.into_iter().fold(Slice::EMPTY, Slice::union).bounds()
+        let chunks: Vec<Aabb> = self.triangles.par_chunks(CHUNK).map(|triangles| self.bounds_of(triangles)).collect();
+        chunks.iter().fold(Aabb::EMPTY, |all, chunk| all.union(chunk))
     }
 
-    fn bounds_of(&self, triangles: &[[u32; 3]]) -> Slice {
-        let corners = triangles.as_flattened().iter().map(|&i| Four::point(self.positions[i as usize]));
-        corners.fold(Slice::EMPTY, |bounds, corner| bounds.union(corner.into()))
+    fn bounds_of(&self, triangles: &[[u32; 3]]) -> Aabb {
+        triangles.as_flattened().iter().fold(Aabb::EMPTY, |b, &i| b.with(self.positions[i as usize]))
     }
 }
 
