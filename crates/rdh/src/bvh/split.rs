@@ -340,28 +340,20 @@ const ALTERNATE_ABOVE: usize = 16;
 fn fill<K: Kernels, const N: usize>(primitives: &[Extent], grid: &Grid, bins: &mut Bins<N>) {
     if primitives.len() > ALTERNATE_ABOVE * N {
         let mut others = Bins::EMPTY;
-        fill_alternately::<K, N>(primitives, grid, bins, &mut others);
+        fill_pairs::<K, N>(primitives, grid, bins, Some(&mut others));
         bins.merge::<K>(&others);
-        return;
-    }
-    let pairs = primitives.chunks_exact(2);
-    if let [last] = pairs.remainder() {
-        let b = grid.bins_of::<K>(last, last);
-        bins.add::<K>(last, [b[0], b[1], b[2]]);
-    }
-    for pair in pairs {
-        let b = grid.bins_of::<K>(&pair[0], &pair[1]);
-        bins.add::<K>(&pair[0], [b[0], b[1], b[2]]);
-        bins.add::<K>(&pair[1], [b[4], b[5], b[6]]);
+    } else {
+        fill_pairs::<K, N>(primitives, grid, bins, None);
     }
 }
 
+/// Two primitives at a time; the second one goes into `others` if there are any.
 #[inline(always)]
-fn fill_alternately<K: Kernels, const N: usize>(
+fn fill_pairs<K: Kernels, const N: usize>(
     primitives: &[Extent],
     grid: &Grid,
     bins: &mut Bins<N>,
-    others: &mut Bins<N>,
+    mut others: Option<&mut Bins<N>>,
 ) {
     let pairs = primitives.chunks_exact(2);
     if let [last] = pairs.remainder() {
@@ -371,7 +363,7 @@ fn fill_alternately<K: Kernels, const N: usize>(
     for pair in pairs {
         let b = grid.bins_of::<K>(&pair[0], &pair[1]);
         bins.add::<K>(&pair[0], [b[0], b[1], b[2]]);
-        others.add::<K>(&pair[1], [b[4], b[5], b[6]]);
+        others.as_deref_mut().unwrap_or(bins).add::<K>(&pair[1], [b[4], b[5], b[6]]);
     }
 }
 

@@ -117,13 +117,12 @@ impl<E: Eight> Tile<E> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::leaves::AnyLeaves;
     use crate::bvh::{Bvh, BvhSpec, Copies};
     use crate::simd::{Job, Kernels, Level};
     use crate::{BuildOptions, Mesh};
 
     /// What a tile finds, if it is one.
-    struct Alone<'a>(&'a Bvh<8, AnyLeaves>, &'a [Ray]);
+    struct Alone<'a>(&'a Bvh<8, Copies>, &'a [Ray]);
 
     impl Job for Alone<'_> {
         type Output = Option<Vec<Option<Hit>>>;
@@ -134,7 +133,7 @@ mod tests {
             if !tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, false) {
                 return None;
             }
-            tile.walk::<K, Closest>(self.0);
+            tile.walk::<K, Closest>(&self.0.with_any_leaves());
             let hits = (0..self.1.len()).map(|i| Closest::read(&tile.packets[i / LANES], i % LANES));
             Some(hits.collect())
         }
@@ -162,12 +161,7 @@ mod tests {
             let expected: Vec<_> = rays.iter().map(|ray| tree.closest(ray, &mut ())).collect();
             assert!(count < 40 || expected.iter().flatten().count() > 10);
             for level in Level::available() {
-                assert_eq!(
-                    level.run(Alone(&tree.with_any_leaves(), &rays)),
-                    Some(expected.clone()),
-                    "{count}, {}",
-                    level.name()
-                );
+                assert_eq!(level.run(Alone(&tree, &rays)), Some(expected.clone()), "{count}, {}", level.name());
             }
         }
     }
@@ -182,7 +176,7 @@ mod tests {
         let mut steep = fan(64);
         steep[40].direction = [0.1, 2.0, 1.0];
         for level in Level::available() {
-            let is_tile = |rays: &[Ray]| level.run(Alone(&tree.with_any_leaves(), rays)).is_some();
+            let is_tile = |rays: &[Ray]| level.run(Alone(&tree, rays)).is_some();
             let tiles = [&usual, &turned, &long, &empty, &steep].map(|rays| is_tile(rays));
             assert_eq!(tiles, [true, false, false, false, false], "{}", level.name());
         }
