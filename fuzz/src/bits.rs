@@ -1,7 +1,15 @@
 //! Bytes taken apart into numbers; zeros when they run out.
 
+use std::ops::{Add, Mul, Sub};
+
 use rdh::precise::{MeshF64, RayF64};
 use rdh::{Mesh, Ray, TriId};
+
+/// f32 and f64.
+trait Number: Copy + From<f32> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl Number for f32 {}
+impl Number for f64 {}
 
 pub(crate) struct Bits<'a> {
     data: &'a [u8],
@@ -47,19 +55,7 @@ impl<'a> Bits<'a> {
     /// From anywhere, at a corner, at an edge or along an axis.
     pub(crate) fn ray_f64(&mut self, mesh: &MeshF64) -> RayF64 {
         let origin = [0; 3].map(|_| self.double());
-        let direction = match self.below(3) {
-            0 => [0; 3].map(|_| self.double()),
-            1 if !mesh.is_empty() => {
-                let corners = mesh.corners(TriId(self.below(mesh.len()) as u32));
-                let (at, part) = (corners[self.below(3)], [0.0, 0.5][self.below(2)]);
-                [0, 1, 2].map(|a| at[a] + part * (corners[0][a] - at[a]) - origin[a])
-            }
-            _ => {
-                let mut direction = [0; 3].map(|_| [0.0, -0.0][self.below(2)]);
-                direction[self.below(3)] = [1.0, -1.0][self.below(2)];
-                direction
-            }
-        };
+        let direction = self.direction(origin, Self::double, mesh.len(), |tri| mesh.corners(tri));
         let mut limit = |usual: f64| if self.below(4) == 0 { self.double() } else { usual };
         RayF64::new(origin, direction).within(limit(f64::NEG_INFINITY), limit(f64::INFINITY))
     }
@@ -73,20 +69,31 @@ impl<'a> Bits<'a> {
     /// From anywhere, at a corner, at an edge or along an axis.
     pub(crate) fn ray(&mut self, mesh: &Mesh) -> Ray {
         let origin = [0; 3].map(|_| self.float());
-        let direction = match self.below(3) {
-            0 => [0; 3].map(|_| self.float()),
-            1 if !mesh.is_empty() => {
-                let corners = mesh.corners(TriId(self.below(mesh.len()) as u32));
-                let (at, part) = (corners[self.below(3)], [0.0, 0.5][self.below(2)]);
+        let direction = self.direction(origin, Self::float, mesh.len(), |tri| mesh.corners(tri));
+        Ray::new(origin, direction).within(self.limit(f32::NEG_INFINITY), self.limit(f32::INFINITY))
+    }
+
+    /// Anywhere, at a corner or the middle of an edge of one of so many triangles, or along an axis.
+    fn direction<T: Number>(
+        &mut self,
+        origin: [T; 3],
+        number: fn(&mut Self) -> T,
+        triangles: usize,
+        corners: impl Fn(TriId) -> [[T; 3]; 3],
+    ) -> [T; 3] {
+        match self.below(3) {
+            0 => [0; 3].map(|_| number(self)),
+            1 if triangles > 0 => {
+                let corners = corners(TriId(self.below(triangles) as u32));
+                let (at, part) = (corners[self.below(3)], T::from([0.0, 0.5][self.below(2)]));
                 [0, 1, 2].map(|a| at[a] + part * (corners[0][a] - at[a]) - origin[a])
             }
             _ => {
-                let mut direction = [0; 3].map(|_| [0.0, -0.0][self.below(2)]);
-                direction[self.below(3)] = [1.0, -1.0][self.below(2)];
+                let mut direction = [0; 3].map(|_| T::from([0.0, -0.0][self.below(2)]));
+                direction[self.below(3)] = T::from([1.0, -1.0][self.below(2)]);
                 direction
             }
-        };
-        Ray::new(origin, direction).within(self.limit(f32::NEG_INFINITY), self.limit(f32::INFINITY))
+        }
     }
 
     fn limit(&mut self, usual: f32) -> f32 {

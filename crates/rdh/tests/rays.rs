@@ -321,6 +321,9 @@ fn invalid_rays_are_counted_and_not_kept() {
     bad.iter().for_each(|r| recorder.record(r, Some(hit(1.0)), Query::Closest, RayClass::Bounce));
     let profile = recorder.into_profile();
     assert_eq!((profile.len(), profile.invalid(), profile.seen()), (0, 0, bad.len() as u64));
+    let samples = bad.iter().map(|&r| RaySample::new(r, Some(hit(1.0)), Query::Closest, RayClass::Bounce)).collect();
+    let profile = Profile::from_samples(samples, 1);
+    assert_eq!((profile.len(), profile.invalid(), profile.seen()), (0, 0, bad.len() as u64));
     let samples = bad.iter().map(|&r| RaySample::new(r, None, Query::Closest, RayClass::Bounce)).collect();
     let profile = Profile::from_samples(samples, 1);
     assert_eq!((profile.len(), profile.invalid()), (0, bad.len() as u64));
