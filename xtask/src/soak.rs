@@ -16,7 +16,10 @@ pub(crate) struct Arguments {
     /// How many rays, 1e9 for instance
     #[arg(long, default_value = "1e7")]
     rays: String,
-    /// End after about so many minutes, with fewer rays
+    /// How many more in each form of batches; without --brute alone
+    #[arg(long, default_value = "1e7")]
+    batches: String,
+    /// End after about so many minutes, with fewer rays; batches are not counted
     #[arg(long)]
     minutes: Option<u64>,
     /// Other seeds make other rays
@@ -55,8 +58,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     }
     if arguments.brute {
         command.arg("--brute");
-    } else if let Some(scenes) = scenes {
-        command.arg("--scenes").arg(scenes);
+    } else {
+        command.args(["--batches", &arguments.batches]);
+        command.args(scenes.iter().flat_map(|folder| [Path::new("--scenes"), folder]));
     }
     if let Some(engines) = &arguments.engines {
         command.arg("--engines").arg(engines).args(["--engine-rays", &arguments.engine_rays.to_string()]);
@@ -74,12 +78,22 @@ fn keep_record(arguments: &Arguments, kept: &Path, fine: bool) -> Result<()> {
     let check = if arguments.brute { "brute" } else { "soak" };
     let text = std::fs::read_to_string(kept).with_context(|| format!("{}: nothing was found out", kept.display()))?;
     let found: Value = serde_json::from_str(&text)?;
-    let number = |key: &str| found["total"][key].as_u64().unwrap_or_default();
+    let total = |key: &str| found["total"][key].as_u64().unwrap_or_default();
+    let in_batches = |which: usize| batches(&found).map(|form| form[which]).sum::<u64>();
     let meshes = found["meshes"].as_array().map_or(0, Vec::len);
     let structures = found["specs"].as_array().map_or(0, Vec::len);
-    let (casts, rays) = (grouped(number("casts")), grouped(number("rays")));
-    let count =
-        format!("{casts} casts of {rays} rays in {meshes} meshes, {structures} structures, seed {}", arguments.seed);
-    let why = format!("{} missed, {} different", number("misses"), number("different"));
+    let (casts, rays, batched) = (grouped(total("casts")), grouped(total("rays")), grouped(in_batches(0)));
+    let count = format!(
+        "{casts} casts of {rays} rays in {meshes} meshes, {structures} structures, {batched} more in batches, seed {}",
+        arguments.seed
+    );
+    let (missed, different) = (total("misses") + in_batches(1), total("different") + in_batches(2));
+    let why = format!("{missed} missed, {different} different");
     keep(check, &count, &if fine { Verdict::Fine } else { Verdict::Failed(&why) })
+}
+
+/// Casts, misses, and answers other than alone, of each form of batches.
+fn batches(found: &Value) -> impl Iterator<Item = [u64; 3]> {
+    let forms = found["batches"]["by_form"].as_array().into_iter().flatten();
+    forms.map(|form| [0, 1, 2].map(|i| form[i].as_u64().unwrap_or_default()))
 }

@@ -59,6 +59,7 @@ impl Page {
             out += &structures(soak);
             out += "\n";
             out += &meshes(soak);
+            out += &batches(soak);
         }
         out += &self.others.as_ref().map(others).unwrap_or_default();
         out
@@ -125,6 +126,23 @@ fn meshes(soak: &Value) -> String {
     }
     out
 }
+
+/// Batches by form, if any were cast.
+fn batches(soak: &Value) -> String {
+    let forms = list(&soak["forms"]).iter().zip(list(&soak["batches"]["by_form"]));
+    let cast = forms.filter(|(_, counts)| counts[0].as_u64() > Some(0));
+    let rows: String = cast
+        .map(|(form, counts)| format!("| {} | {} | {} | {} |\n", word(form), millions(&counts[0]), counts[1], counts[2]))
+        .collect();
+    if rows.is_empty() { rows } else { format!("\n{ABOUT_BATCHES}\n{rows}") }
+}
+
+const ABOUT_BATCHES: &str = "\
+In batches, through hierarchies, kd-trees and trees around a point, at the same meshes and a large one; each ray's answer is to be that \
+of the ray alone.
+
+| batches | casts | missed | different |
+|---|---|---|---|";
 
 /// What others miss, in percent: a row an engine and mesh, a column an aim.
 fn others(found: &Value) -> String {
@@ -204,6 +222,7 @@ mod tests {
                 "aims": ["vertex", "edge"], "specs": ["kd+sah"], "levels": ["portable"],
                 "total": { "rays": 2_500_000, "by_level": [1234], "by_structure": [[[5, 1, 0], [6, 1, 2]]] },
                 "meshes": [["box", 12, 3_000_000, 2]],
+                "forms": ["tiles", "rows"], "batches": { "by_form": [[4_000_000, 3, 4], [0, 0, 0]] },
             }),
         );
         let other = |aim: &str, missed: u64| json!({ "engine": "other", "mesh": "box", "aim": aim, "rays": 1000, "missed": missed });
@@ -211,6 +230,7 @@ mod tests {
         let page = Page::of(folder.path()).unwrap();
         assert!(!page.is_clean());
         let text = page.text();
+        assert!(!text.contains("| rows |"), "{text}");
         for wanted in [
             "| `cargo xtask fuzz` | 7 things | nothing found | 2026-01-31, this |",
             "| 7 things | failed: it broke |",
@@ -218,6 +238,7 @@ mod tests {
             "| `kd+sah` | 5 | 6 | 2 | 2 |",
             "2.5 M different rays; casts: 1,234 by portable.",
             "| box | 12 | 3.0 M | 2 |",
+            "| tiles | 4.0 M | 3 | 4 |",
             "| other | box | 2.500 % | 0 of 1,000 |",
         ] {
             assert!(text.contains(wanted), "{wanted} in\n{text}");

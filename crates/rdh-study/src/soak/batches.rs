@@ -24,7 +24,7 @@ pub enum Form {
     EyeTiles,
     /// Rows through the same.
     EyeRows,
-    /// Rays that end at a point inside, through trees around it: 64 neighbours each.
+    /// Rays that end at a point inside: 64 neighbours each, through the same structures as tiles, too.
     Light,
 }
 
@@ -113,10 +113,11 @@ struct Cast<'a> {
 impl Cast<'_> {
     fn batch(&self, form: Form, random: &mut Random, batches: &mut Batches) {
         let rays = self.rays(form, random);
-        let through = match form {
-            Form::Tiles | Form::Rows | Form::Shuffled => &self.structures[..],
-            Form::EyeTiles | Form::EyeRows => &self.around[..],
-            Form::Light => &self.around[1..],
+        let (world, around) = (self.structures.iter(), self.around.iter());
+        let through: Vec<&Accel> = match form {
+            Form::Tiles | Form::Rows | Form::Shuffled => world.collect(),
+            Form::EyeTiles | Form::EyeRows => around.collect(),
+            Form::Light => around.skip(1).chain(world).collect(),
         };
         let alone: Vec<Option<Hit>> = rays.iter().map(|ray| self.structures[0].closest(ray)).collect();
         for (which, accel) in through.iter().enumerate() {
