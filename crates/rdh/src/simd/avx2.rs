@@ -17,7 +17,7 @@ use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
 ///
 /// # Safety
 /// The CPU must have AVX2, FMA, BMI1 and BMI2.
-#[target_feature(enable = "avx2,fma,bmi1,bmi2")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx2>()
 }

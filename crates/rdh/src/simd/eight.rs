@@ -78,6 +78,13 @@ pub(crate) struct Hits<E> {
     pub(crate) v: E,
 }
 
+/// Without the sign.
+#[inline(always)]
+pub(crate) fn size<E: Eight>(x: E) -> E {
+    let sign = E::splat(-0.0);
+    x.or(sign).xor(sign)
+}
+
 /// Plain floats.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]

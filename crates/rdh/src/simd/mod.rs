@@ -36,7 +36,7 @@ mod sight;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
-pub(crate) use eight::{Eight, Hits};
+pub(crate) use eight::{Eight, Hits, size};
 pub(crate) use four::Four;
 pub(crate) use guess::{apart, guessed_if, guessed_next};
 pub(crate) use indices::Indices;
@@ -44,6 +44,7 @@ pub(crate) use indices::Indices;
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
 pub(crate) use prefetch::prefetch;
+pub(crate) use reach::reached_by_eight;
 pub(crate) use sight::{Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views, step_of};
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
@@ -85,6 +86,8 @@ impl Level {
         if std::arch::is_x86_feature_detected!("avx2")
             && std::arch::is_x86_feature_detected!("bmi1")
             && std::arch::is_x86_feature_detected!("bmi2")
+            && std::arch::is_x86_feature_detected!("lzcnt")
+            && std::arch::is_x86_feature_detected!("popcnt")
             && std::arch::is_x86_feature_detected!("fma")
         {
             levels.push(Self(Kind::Avx2));
@@ -305,6 +308,9 @@ mod tests {
                 let same = hit_sheared(&K::corners(&sheared, i), frame.direction_z, (t_min, t_max), TriId(0));
                 assert_eq!(same, hit, "the same corners in the ray's frame");
             }
+            let by_eight = by_eight::<K::Eight>(&sheared_corners::<K>(&sheared), frame.direction_z, (t_min, t_max));
+            assert_eq!(by_eight.certain & inside & !accepted, 0, "what is certain by eight is accepted");
+            assert_eq!(accepted & !by_eight.possible, 0, "what is accepted is possible by eight");
             Self { inside, possible, accepted, certain }
         }
 
@@ -313,6 +319,29 @@ mod tests {
             assert_eq!(self.accepted & !self.possible, 0, "{what}: what is accepted is possible");
             assert_eq!(self.possible & !self.inside, 0, "{what}: what is possible is inside");
         }
+    }
+
+    /// `corners[corner][axis][lane]`, in the ray's frame.
+    fn sheared_corners<K: Kernels>(sheared: &K::Sheared) -> [[[f32; LANES]; 3]; 3] {
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        for lane in 0..LANES {
+            for (c, corner) in K::corners(sheared, lane).iter().enumerate() {
+                (0..3).for_each(|a| corners[c][a][lane] = corner[a]);
+            }
+        }
+        corners
+    }
+
+    fn by_eight<E: Eight>(
+        corners: &[[[f32; LANES]; 3]; 3],
+        direction_z: f32,
+        (t_min, t_max): (f32, f32),
+    ) -> Sifted {
+        let corners = corners.each_ref().map(|corner| corner.each_ref().map(E::load));
+        let cross = |a: &[E; 3], b: &[E; 3]| a[0].mul(b[1]).sub(a[1].mul(b[0]));
+        let [a, b, c] = &corners;
+        let w = [cross(c, b), cross(a, c), cross(b, a)];
+        reached_by_eight(&w, &corners, E::splat(direction_z), (E::splat(t_min), E::splat(t_max)))
     }
 
     impl Job for Everything<'_> {

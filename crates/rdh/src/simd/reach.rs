@@ -7,7 +7,8 @@
 //! ```
 //! `N` takes the sign of `s d_z`. Where something over- or underflows, `E` is infinite or no number, and nothing is said.
 
-use super::{LANES, Sifted};
+use super::eight::size;
+use super::{Eight, LANES, Sifted};
 use crate::geom::Vec3;
 
 /// Twice the largest error of `N` by rounding is less than this part of 2 q m, …
@@ -41,6 +42,39 @@ pub(super) fn reached(
         all.certain |= u32::from(certain) << lane;
     }
     all
+}
+
+/// The same of eight triangles for one ray, or of one for eight rays, all lanes of them.
+#[inline(always)]
+pub(crate) fn reached_by_eight<E: Eight>(
+    w: &[E; 3],
+    [a, b, c]: &[[E; 3]; 3],
+    direction_z: E,
+    (t_min, t_max): (E, E),
+) -> Sifted {
+    let ([u, v, w], underflow) = (*w, E::splat(UNDERFLOW));
+    let along = u.add(v).add(w).mul(direction_z);
+    let depth = w.mul_add(c[2], v.mul_add(b[2], u.mul(a[2])));
+    let (depth, along) = (depth.xor(along.and(E::splat(-0.0))), size(along));
+    let farthest = size(a[2]).max(size(b[2])).max(size(c[2]));
+    let x = a[0].mul_add(a[0], b[0].mul_add(b[0], c[0].mul(c[0])));
+    let y = a[1].mul_add(a[1], b[1].mul_add(b[1], c[1].mul(c[1])));
+    // Doubled, so that it overflows before the depth does.
+    let error = x.add(y).mul_add(E::splat(2.0), underflow);
+    let error = error.mul(farthest).mul_add(E::splat(ROUNDING), underflow);
+    let error = along.mul_add(E::splat(LEAST_T), error);
+    // All ones are no number.
+    let error = error.or(along.lt(E::splat(f32::MIN_POSITIVE)));
+    let (low, high) = (depth.sub(error), depth.add(error));
+    // A `t` beyond f32's range is no hit.
+    let first = along.mul(t_min.max(E::splat(f32::MIN)));
+    let last = along.mul(t_max.min(E::splat(f32::MAX)));
+    let outside = high.lt(first).or(last.lt(low));
+    let zero = E::splat(0.0);
+    let above = zero.lt(u).and(zero.lt(v)).and(zero.lt(w));
+    let below = u.lt(zero).and(v.lt(zero)).and(w.lt(zero));
+    let within = first.lt(low).and(high.lt(last));
+    Sifted { possible: !outside.signs() & 0xff, certain: above.or(below).and(within).signs() }
 }
 
 impl Sheared {

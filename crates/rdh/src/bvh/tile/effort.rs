@@ -8,12 +8,14 @@ pub(super) struct Effort {
 }
 
 impl Effort {
-    /// To visit a node with a tile: the beam against its children, their places on the stack, and two packets against each.
-    const NODE: u32 = 95;
+    /// To make a ray ready, and to hand over what it hit.
+    const READY: u32 = 50;
+    /// To visit a node with a tile: the beam against its children, their places on the stack, and two packets and more against each.
+    const NODE: u32 = 320;
     /// A packet against a leaf's box.
-    const BOX: u32 = 10;
-    /// Eight rays against a triangle, or a ray against eight.
-    const SIFT: u32 = 20;
+    const BOX: u32 = 25;
+    /// Eight rays against a triangle, or a ray against eight, and THE test of every second.
+    const SIFT: u32 = 80;
     /// To lead a ray alone to a leaf and test it: one leaf and about three and a half nodes.
     const ALONE: u32 = 165;
     /// What else a ray costs alone.
@@ -22,7 +24,7 @@ impl Effort {
     /// A tile of so many rays sets out.
     #[inline(always)]
     pub(super) fn of(rays: usize) -> Self {
-        Self { together: 0, apart: rays as u32 * Self::RAY }
+        Self { together: rays as u32 * Self::READY, apart: rays as u32 * Self::RAY }
     }
 
     /// It visits a node.
@@ -31,11 +33,17 @@ impl Effort {
         self.together = self.together.wrapping_add(Self::NODE);
     }
 
+    /// It comes to a leaf's box with so many packets.
+    #[inline(always)]
+    pub(super) fn boxes(&mut self, packets: u32) {
+        self.together = self.together.wrapping_add(Self::BOX * packets);
+    }
+
     /// Some rays of a packet, a bit a lane, are tested against some triangles.
     #[inline(always)]
     pub(super) fn leaf(&mut self, rays: u32, triangles: u32) {
         let (rays, triangles) = (rays.count_ones(), triangles.count_ones());
-        self.together = self.together.wrapping_add(Self::BOX + Self::SIFT * rays.min(triangles));
+        self.together = self.together.wrapping_add(Self::SIFT * rays.min(triangles));
         self.apart = self.apart.wrapping_add(Self::ALONE * rays);
     }
 
@@ -82,8 +90,9 @@ mod tests {
     #[test]
     fn tiles_pay_where_rays_stay_together() {
         let mut together = Effort::of(64);
-        (0..20).for_each(|_| together.node());
-        (0..8).for_each(|_| together.leaf(0xff, 0xf));
+        (0..8).for_each(|_| together.node());
+        (0..16).for_each(|_| together.leaf(0xff, 0xf));
+        together.boxes(30);
         assert!(together.has_paid());
         let mut apart = Effort::of(64);
         (0..500).for_each(|_| apart.node());

@@ -4,7 +4,7 @@
 //! are sifted by the operations of single rays, and what is left goes through THE triangle test, eight at a time.
 
 use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
-use crate::simd::{Block, Boxes, Eight, Hits, LANES};
+use crate::simd::{Block, Boxes, Eight, Hits, LANES, Sifted, reached_by_eight, size};
 
 /// What rays of a tile have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,13 +88,6 @@ fn numbers(ray: &Ray) -> &[f32; 8] {
     numbers
 }
 
-/// Without the sign.
-#[inline(always)]
-fn size<E: Eight>(x: E) -> E {
-    let sign = E::splat(-0.0);
-    x.or(sign).xor(sign)
-}
-
 /// Eight rays, and what they have hit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet<E> {
@@ -126,15 +119,12 @@ struct Aim<E> {
     depths: Limits<E>,
 }
 
-/// Limits for the depths of a triangle's corners, between which a hit's depth lies: with all corners before `nearest` or behind
-/// `farthest` there is no hit; with all from `surely_from` to `surely_to` every crossing is one. For usual rays alone: a `t` that is
-/// rounded to f32's smallest steps moves their depth by less than 2⁻¹⁴⁰.
+/// Limits for the depths of a triangle's corners: with all corners before `nearest` or behind `farthest` there is no hit. For usual
+/// rays alone: a `t` that is rounded to f32's smallest steps moves their depth by less than 2⁻¹⁴⁰.
 #[derive(Debug, Clone, Copy)]
 struct Limits<E> {
     nearest: E,
     farthest: E,
-    surely_from: E,
-    surely_to: E,
 }
 
 impl<E: Eight> Limits<E> {
@@ -148,22 +138,12 @@ impl<E: Eight> Limits<E> {
         let (low, high) = (a.min(b), a.max(b));
         let (slack, least) = (E::splat(Self::SLACK), E::splat(f32::MIN_POSITIVE));
         let (low_slack, high_slack) = (size(low).mul(slack).add(least), size(high).mul(slack).add(least));
-        Self {
-            nearest: low.sub(low_slack),
-            farthest: high.add(high_slack),
-            surely_from: low.add(low_slack),
-            surely_to: high.sub(high_slack),
-        }
+        Self { nearest: low.sub(low_slack), farthest: high.add(high_slack) }
     }
 
     #[inline(always)]
     fn spread(&self, lane: usize) -> Self {
-        Self {
-            nearest: spread(&self.nearest, lane),
-            farthest: spread(&self.farthest, lane),
-            surely_from: spread(&self.surely_from, lane),
-            surely_to: spread(&self.surely_to, lane),
-        }
+        Self { nearest: spread(&self.nearest, lane), farthest: spread(&self.farthest, lane) }
     }
 }
 
@@ -194,24 +174,24 @@ impl<E: Eight> Aim<E> {
         [x.sub(self.origin[0]).sub(self.shear[0].mul(z)), y.sub(self.origin[1]).sub(self.shear[1].mul(z)), z]
     }
 
-    /// Which lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does (docs/watertight.md, section 7).
+    /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does
+    /// (docs/watertight.md, section 7).
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(&self, [a, b, c]: &[[E; 3]; 3]) -> (u32, u32) {
+    fn sift<const CERTAIN: bool>(&self, corners: &[[E; 3]; 3], wanted: u32, t_max: E) -> Sifted {
+        let [a, b, c] = corners;
         let (zero, depths) = (E::splat(0.0), &self.depths);
         let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
         let (least, most) = (u.min(v).min(w), u.max(v).max(w));
         let (first, last) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
         let outside = least.lt(zero).and(zero.lt(most));
         let beyond = last.lt(depths.nearest).or(depths.farthest.lt(first));
-        let possible = !outside.or(beyond).signs() & 0xff;
-        if !CERTAIN {
-            return (possible, 0);
+        let possible = !outside.or(beyond).signs() & wanted;
+        if !CERTAIN || possible == 0 {
+            return Sifted { possible, certain: 0 };
         }
-        let inside = zero.lt(least).or(most.lt(zero));
-        let within = depths.surely_from.lt(first).and(last.lt(depths.surely_to));
-        // No number if one of them is none, which the smallest and the largest don't tell.
-        let sum = u.add(v).add(w);
-        (possible, inside.and(within).and(sum.le(sum)).signs())
+        // Most of those that are left are triangles that rays have just left: only bounds of `t` tell.
+        let reached = reached_by_eight(&[u, v, w], corners, self.direction_z, (self.t_min, t_max));
+        Sifted { possible: possible & reached.possible, certain: possible & reached.certain }
     }
 }
 
@@ -274,7 +254,7 @@ impl<E: Eight> Packet<E> {
     #[inline(always)]
     pub(super) fn empty() -> Self {
         let zero = E::splat(0.0);
-        let depths = Limits { nearest: zero, farthest: zero, surely_from: zero, surely_to: zero };
+        let depths = Limits { nearest: zero, farthest: zero };
         let aim = Aim { origin: [zero; 3], shear: [zero; 2], direction_z: zero, t_min: zero, depths };
         let end = E::splat(f32::NEG_INFINITY);
         let three = [zero; 3];
@@ -384,18 +364,19 @@ impl<E: Eight> Packet<E> {
             let i = wanted.trailing_zeros() as usize & (LANES - 1);
             wanted &= wanted - 1;
             let corners = self.aim.shear(&corners_of(leaf.block, i, class.axes));
-            let (possible, certain) = self.aim.sift::<ANY>(&corners);
+            let Sifted { mut possible, certain } = self.aim.sift::<ANY>(&corners, rays, self.end);
             let id = leaf.block.ids[i];
-            if ANY && certain & rays != 0 && leaf.masks.is_none() {
+            if ANY && certain != 0 && leaf.masks.is_none() {
                 moved = true;
-                self.stop(certain & rays);
+                self.stop(certain);
                 rays &= !certain;
+                possible &= !certain;
             }
-            if possible & rays == 0 {
+            if possible == 0 {
                 continue;
             }
             let found = E::hits(&corners, self.aim.direction_z, self.t_min, self.end);
-            let accepted = found.accepted & possible & rays & self.seeing(leaf.masks, id);
+            let accepted = found.accepted & possible & self.seeing(leaf.masks, id);
             if accepted == 0 {
                 continue;
             }
@@ -421,17 +402,18 @@ impl<E: Eight> Packet<E> {
             rays &= rays - 1;
             let aim = self.aim.spread(lane);
             let corners = aim.shear(&corners);
-            let (possible, certain) = aim.sift::<ANY>(&corners);
-            if ANY && certain & leaf.wanted != 0 && leaf.masks.is_none() {
+            let end = spread(&self.end, lane);
+            let Sifted { possible, certain } = aim.sift::<ANY>(&corners, leaf.wanted, end);
+            if ANY && certain != 0 && leaf.masks.is_none() {
                 moved = true;
                 self.stop(1 << lane);
                 continue;
             }
-            if possible & leaf.wanted == 0 {
+            if possible == 0 {
                 continue;
             }
-            let found = E::hits(&corners, aim.direction_z, aim.t_min, spread(&self.end, lane));
-            let mut accepted = found.accepted & possible & leaf.wanted;
+            let found = E::hits(&corners, aim.direction_z, aim.t_min, end);
+            let mut accepted = found.accepted & possible;
             while accepted != 0 {
                 let i = accepted.trailing_zeros() as usize & (LANES - 1);
                 accepted &= accepted - 1;

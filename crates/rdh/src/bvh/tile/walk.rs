@@ -91,10 +91,11 @@ impl<E: Eight> Tile<E> {
     #[inline(always)]
     fn test<C: Collector>(&mut self, leaf: &Leaf<'_>, planes: &Planes<E>, entry: Entry) {
         let mut moved = false;
+        self.effort.boxes(u32::from(entry.last - entry.first) + 1);
         for packet in &mut self.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
             let rays = packet.meet(planes);
-            self.effort.leaf(rays, leaf.wanted);
             if rays != 0 {
+                self.effort.leaf(rays, leaf.wanted);
                 moved |= if C::ANY {
                     packet.test::<true>(leaf, rays, self.class)
                 } else {
