@@ -16,9 +16,21 @@ pub(crate) struct Arguments {
     secs: u64,
 }
 
+impl Arguments {
+    /// All targets, for so many seconds each.
+    pub(crate) fn all_for(secs: u64) -> Self {
+        Self { targets: Vec::new(), secs }
+    }
+}
+
+/// Whether there is what it takes.
+pub(crate) fn is_possible() -> bool {
+    answers("cargo", &["+nightly", "fuzz", "--version"])
+}
+
 /// Whether no target found anything.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
-    if !answers("cargo", &["+nightly", "fuzz", "--version"]) {
+    if !is_possible() {
         bail!("nightly Rust and cargo-fuzz are needed: rustup toolchain install nightly; cargo install cargo-fuzz");
     }
     let targets = if arguments.targets.is_empty() { all()? } else { arguments.targets.clone() };

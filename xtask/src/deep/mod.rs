@@ -5,6 +5,8 @@ mod arm;
 mod audit;
 mod bounds;
 mod identical;
+mod long;
+mod supply;
 mod targets;
 mod undefined;
 
@@ -52,12 +54,14 @@ enum Outcome {
     Failed(String),
     /// It can't be done here, for a reason.
     Skipped(String),
+    /// A task of its own, which has said and kept what it found: whether all was fine.
+    Told(bool),
 }
 
 /// A name, and what it runs.
 type Check = (&'static str, fn(&Arguments) -> Result<Outcome>);
 
-const CHECKS: [Check; 7] = [
+const CHECKS: [Check; 11] = [
     ("identical", identical::run),
     ("audit", audit::run),
     ("arm", arm::run),
@@ -65,6 +69,10 @@ const CHECKS: [Check; 7] = [
     ("miri", undefined::miri),
     ("asan", undefined::asan),
     ("targets", targets::run),
+    ("deny", supply::run),
+    ("mutants", long::mutants),
+    ("fuzz", long::fuzz),
+    ("soak", long::soak),
 ];
 
 /// Whether none has failed.
@@ -84,6 +92,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
             Outcome::Skipped(why) => {
                 println!("{name}: skipped: {why}");
                 keep(name, "", &Verdict::Skipped(&why))
+            }
+            Outcome::Told(is_fine) => {
+                fine &= is_fine;
+                Ok(())
             }
             Outcome::Failed(what) => {
                 println!("{name}: failed: {what}");
