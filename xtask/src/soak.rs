@@ -50,7 +50,17 @@ impl Arguments {
     pub(crate) fn of(rays: &str, scenes: Option<PathBuf>, profile: &str) -> Self {
         let (rays, profile) = (rays.to_owned(), profile.to_owned());
         let batches = BATCHES.to_owned();
-        Self { rays, batches, minutes: None, seed: 1, brute: false, scenes, engines: None, engine_rays: 100_000, profile }
+        Self {
+            rays,
+            batches,
+            minutes: None,
+            seed: 1,
+            brute: false,
+            scenes,
+            engines: None,
+            engine_rays: 100_000,
+            profile,
+        }
     }
 }
 

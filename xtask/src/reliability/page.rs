@@ -132,7 +132,9 @@ fn batches(soak: &Value) -> String {
     let forms = list(&soak["forms"]).iter().zip(list(&soak["batches"]["by_form"]));
     let cast = forms.filter(|(_, counts)| counts[0].as_u64() > Some(0));
     let rows: String = cast
-        .map(|(form, counts)| format!("| {} | {} | {} | {} |\n", word(form), millions(&counts[0]), counts[1], counts[2]))
+        .map(|(form, counts)| {
+            format!("| {} | {} | {} | {} |\n", word(form), millions(&counts[0]), counts[1], counts[2])
+        })
         .collect();
     if rows.is_empty() { rows } else { format!("\n{ABOUT_BATCHES}\n{rows}") }
 }

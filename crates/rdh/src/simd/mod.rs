@@ -332,11 +332,7 @@ mod tests {
         corners
     }
 
-    fn by_eight<E: Eight>(
-        corners: &[[[f32; LANES]; 3]; 3],
-        direction_z: f32,
-        (t_min, t_max): (f32, f32),
-    ) -> Sifted {
+    fn by_eight<E: Eight>(corners: &[[[f32; LANES]; 3]; 3], direction_z: f32, (t_min, t_max): (f32, f32)) -> Sifted {
         let corners = corners.each_ref().map(|corner| corner.each_ref().map(E::load));
         let cross = |a: &[E; 3], b: &[E; 3]| a[0].mul(b[1]).sub(a[1].mul(b[0]));
         let [a, b, c] = &corners;
