@@ -69,6 +69,8 @@ pub(super) fn digits(ratio: f64) -> String {
 /// A share in per cent; below one tenth of it with one more digit.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
+    // No zero has a sign.
+    let percent = if percent.abs() < 0.05 { 0.0 } else { percent };
     if percent.abs() < 9.95 { format!("{percent:.1}\u{a0}%") } else { format!("{percent:.0}\u{a0}%") }
 }
 

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Anchor, Axis, LINE, line, marker, root, text, width_of};
+use super::{Anchor, Axis, LINE, SERIES, line, marker, root, text, width_of};
 use crate::report::effect::Effect;
 
 /// A line of a forest plot.
@@ -61,7 +61,7 @@ fn draw(entry: &Entry, y: f64, axis: &Axis, beside: bool, width: f64) -> Markup 
             html! {
                 @if beside { (text(SIDE + 8.0, y + 4.5, Anchor::Start, "label", label)) }
                 @else { (stacked(y - 0.5 * ROW, "label", &wrapped(label, width))) }
-                (line(&format!("whisker s{series}"), [axis.at(low), y], [axis.at(high), y]))
+                (line(&format!("whisker s{}", series % SERIES), [axis.at(low), y], [axis.at(high), y]))
                 (marker(*series, axis.at(effect.mean), y, 4.6, None))
                 (text(width - SIDE, y + 4.5, Anchor::End, "number", &numbers(effect)))
             }
