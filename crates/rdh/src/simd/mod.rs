@@ -323,13 +323,8 @@ mod tests {
 
     /// `corners[corner][axis][lane]`, in the ray's frame.
     fn sheared_corners<K: Kernels>(sheared: &K::Sheared) -> [[[f32; LANES]; 3]; 3] {
-        let mut corners = [[[0.0; LANES]; 3]; 3];
-        for lane in 0..LANES {
-            for (c, corner) in K::corners(sheared, lane).iter().enumerate() {
-                (0..3).for_each(|a| corners[c][a][lane] = corner[a]);
-            }
-        }
-        corners
+        let all: [[Vec3; 3]; LANES] = std::array::from_fn(|lane| K::corners(sheared, lane));
+        [0, 1, 2].map(|c| [0, 1, 2].map(|a| std::array::from_fn(|lane| all[lane][c][a])))
     }
 
     fn by_eight<E: Eight>(corners: &[[[f32; LANES]; 3]; 3], direction_z: f32, (t_min, t_max): (f32, f32)) -> Sifted {
