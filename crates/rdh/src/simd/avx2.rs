@@ -6,17 +6,17 @@ use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few
 use super::avx2_eight::Wide8;
 use super::avx2_sight;
 use super::portable::Portable;
-use super::reach::{LEAST_T, ROUNDING, UNDERFLOW};
+use super::reach::reached_by_eight;
 use super::{
-    Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted, Sight,
-    Views,
+    Aims, Block, Boxes, Corners, Eight, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted,
+    Sight, Views,
 };
-use crate::geom::{Ray, RayFrame, Scale, Vec3, larger, smaller};
+use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
 /// Runs a job with AVX2.
 ///
 /// # Safety
-/// The CPU must have AVX2, FMA, BMI1 and BMI2.
+/// The CPU must have AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx2>()
@@ -329,46 +329,25 @@ impl Sheared {
         }
     }
 
-    /// What `reach.rs` says of one, of eight.
+    /// What [`reached_by_eight`] says.
     #[inline(always)]
     fn reached(&self, frame: &Frame, inside: u32, (t_min, t_max): (f32, f32)) -> Sifted {
         let ([u, v, w], [a, b, c]) = (self.w, self.corners);
-        // SAFETY: as in `Avx2`.
-        unsafe {
-            let (sign, zero) = (_mm256_set1_ps(-0.0), _mm256_setzero_ps());
-            let underflow = _mm256_set1_ps(UNDERFLOW);
-            let sum = _mm256_add_ps(_mm256_add_ps(u, v), w);
-            let size = _mm256_mul_ps(sum, _mm256_broadcast_ss(&frame.direction[2]));
-            let depth = _mm256_fmadd_ps(w, c.2, _mm256_fmadd_ps(v, b.2, _mm256_mul_ps(u, a.2)));
-            let depth = _mm256_xor_ps(depth, _mm256_and_ps(sign, size));
-            let size = _mm256_andnot_ps(sign, size);
-            let farthest = _mm256_max_ps(_mm256_andnot_ps(sign, a.2), _mm256_andnot_ps(sign, b.2));
-            let farthest = _mm256_max_ps(farthest, _mm256_andnot_ps(sign, c.2));
-            let x = _mm256_fmadd_ps(a.0, a.0, _mm256_fmadd_ps(b.0, b.0, _mm256_mul_ps(c.0, c.0)));
-            let y = _mm256_fmadd_ps(a.1, a.1, _mm256_fmadd_ps(b.1, b.1, _mm256_mul_ps(c.1, c.1)));
-            // Doubled, so that it overflows before the depth does.
-            let error = _mm256_fmadd_ps(_mm256_add_ps(x, y), _mm256_set1_ps(2.0), underflow);
-            let error = _mm256_fmadd_ps(_mm256_mul_ps(error, farthest), _mm256_set1_ps(ROUNDING), underflow);
-            let error = _mm256_fmadd_ps(size, _mm256_set1_ps(LEAST_T), error);
-            let vanishes = _mm256_cmp_ps::<_CMP_NGE_UQ>(size, _mm256_set1_ps(f32::MIN_POSITIVE));
-            let error = _mm256_or_ps(error, vanishes);
-            let (low, high) = (_mm256_sub_ps(depth, error), _mm256_add_ps(depth, error));
-            // A `t` beyond f32's range is no hit.
-            let (t_min, t_max) = (larger(t_min, f32::MIN), smaller(t_max, f32::MAX));
-            let (first, last) =
-                (_mm256_mul_ps(size, _mm256_set1_ps(t_min)), _mm256_mul_ps(size, _mm256_set1_ps(t_max)));
-            let before = _mm256_cmp_ps::<_CMP_LT_OQ>(high, first);
-            let outside = _mm256_or_ps(before, _mm256_cmp_ps::<_CMP_GT_OQ>(low, last));
-            let above = _mm256_cmp_ps::<_CMP_GT_OQ>(self.least, zero);
-            let one_sign = _mm256_or_ps(above, _mm256_cmp_ps::<_CMP_LT_OQ>(self.most, zero));
-            let behind = _mm256_cmp_ps::<_CMP_GT_OQ>(low, first);
-            let within = _mm256_and_ps(behind, _mm256_cmp_ps::<_CMP_LT_OQ>(high, last));
-            Sifted {
-                possible: !(_mm256_movemask_ps(outside) as u32) & inside,
-                certain: _mm256_movemask_ps(_mm256_and_ps(one_sign, within)) as u32 & inside,
-            }
-        }
+        let reached = reached_by_eight(
+            &[Wide8(u), Wide8(v), Wide8(w)],
+            (Wide8(self.least), Wide8(self.most)),
+            &[wide(a), wide(b), wide(c)],
+            Wide8::splat(frame.direction[2]),
+            (Wide8::splat(t_min), Wide8::splat(t_max)),
+        );
+        Sifted { possible: reached.possible & inside, certain: reached.certain & inside }
     }
+}
+
+/// A corner of eight triangles.
+#[inline(always)]
+fn wide((x, y, z): (__m256, __m256, __m256)) -> [Wide8; 3] {
+    [Wide8(x), Wide8(y), Wide8(z)]
 }
 
 /// One of eight corners.

@@ -9,7 +9,7 @@ use super::eight::{Eight, Hits};
 /// Eight floats in a register.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
-pub(crate) struct Wide8(__m256);
+pub(crate) struct Wide8(pub(super) __m256);
 
 /// An operation that is one instruction.
 macro_rules! operations {

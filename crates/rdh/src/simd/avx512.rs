@@ -14,7 +14,7 @@ use crate::geom::{Ray, RayFrame, Scale, Vec3};
 /// Runs a job with AVX-512.
 ///
 /// # Safety
-/// The CPU must have AVX2, FMA, BMI1, BMI2, and AVX-512 F, VL, DQ and BW.
+/// The CPU must have AVX2, FMA, BMI1, BMI2, LZCNT, POPCNT, and AVX-512 F, VL, DQ and BW.
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq,avx512bw")]
 pub(super) unsafe fn enter<J: Job>(job: J) -> J::Output {
     job.run::<Avx512>()

@@ -121,7 +121,7 @@ impl Level {
         match self.0 {
             Kind::Portable => portable::enter(job),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, FMA, BMI1 and BMI2.
+            // SAFETY: a `Level` of this kind is only made where the CPU has AVX2, FMA, BMI1, BMI2, LZCNT and POPCNT.
             Kind::Avx2 => unsafe { avx2::enter(job) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: a `Level` of this kind is only made where the CPU has these, and AVX-512 F, VL, DQ and BW.
@@ -331,8 +331,9 @@ mod tests {
         let corners = corners.each_ref().map(|corner| corner.each_ref().map(E::load));
         let cross = |a: &[E; 3], b: &[E; 3]| a[0].mul(b[1]).sub(a[1].mul(b[0]));
         let [a, b, c] = &corners;
-        let w = [cross(c, b), cross(a, c), cross(b, a)];
-        reached_by_eight(&w, &corners, E::splat(direction_z), (E::splat(t_min), E::splat(t_max)))
+        let w @ [u, v, last] = [cross(c, b), cross(a, c), cross(b, a)];
+        let extremes = (u.min(v).min(last), u.max(v).max(last));
+        reached_by_eight(&w, extremes, &corners, E::splat(direction_z), (E::splat(t_min), E::splat(t_max)))
     }
 
     impl Job for Everything<'_> {

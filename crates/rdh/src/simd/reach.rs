@@ -12,12 +12,12 @@ use super::{Eight, LANES, Sifted};
 use crate::geom::Vec3;
 
 /// Twice the largest error of `N` by rounding is less than this part of 2 q m, …
-pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
+const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
 /// … with this added to 2 q, and to all, for products that underflow, …
-pub(super) const UNDERFLOW: f32 = 4.0 * f32::MIN_POSITIVE;
+const UNDERFLOW: f32 = 4.0 * f32::MIN_POSITIVE;
 /// … and this part of `D`, because `t` itself may underflow: it is rounded to a multiple of 2⁻¹⁴⁹. It is larger than that, so that
 /// no product with it is a slow, denormal number.
-pub(super) const LEAST_T: f32 = 1.0 / (1u128 << 110) as f32;
+const LEAST_T: f32 = 1.0 / (1u128 << 110) as f32;
 
 /// A triangle's edge functions and sheared corners.
 pub(super) struct Sheared {
@@ -44,15 +44,17 @@ pub(super) fn reached(
     all
 }
 
-/// The same of eight triangles for one ray, or of one for eight rays, all lanes of them.
+/// The same of eight triangles for one ray, or of one for eight rays, all lanes of them: by the edge functions, the least and the
+/// most of these, and the corners.
 #[inline(always)]
 pub(crate) fn reached_by_eight<E: Eight>(
-    w: &[E; 3],
+    &[u, v, w]: &[E; 3],
+    (least, most): (E, E),
     [a, b, c]: &[[E; 3]; 3],
     direction_z: E,
     (t_min, t_max): (E, E),
 ) -> Sifted {
-    let ([u, v, w], underflow) = (*w, E::splat(UNDERFLOW));
+    let (zero, underflow) = (E::splat(0.0), E::splat(UNDERFLOW));
     let along = u.add(v).add(w).mul(direction_z);
     let depth = w.mul_add(c[2], v.mul_add(b[2], u.mul(a[2])));
     let (depth, along) = (depth.xor(along.and(E::splat(-0.0))), size(along));
@@ -70,11 +72,10 @@ pub(crate) fn reached_by_eight<E: Eight>(
     let first = along.mul(t_min.max(E::splat(f32::MIN)));
     let last = along.mul(t_max.min(E::splat(f32::MAX)));
     let outside = high.lt(first).or(last.lt(low));
-    let zero = E::splat(0.0);
-    let above = zero.lt(u).and(zero.lt(v)).and(zero.lt(w));
-    let below = u.lt(zero).and(v.lt(zero)).and(w.lt(zero));
+    // An edge function that is no number hides in the least and the most, but makes the error none, too.
+    let one_sign = zero.lt(least).or(most.lt(zero));
     let within = first.lt(low).and(high.lt(last));
-    Sifted { possible: !outside.signs() & 0xff, certain: above.or(below).and(within).signs() }
+    Sifted { possible: !outside.signs() & 0xff, certain: one_sign.and(within).signs() }
 }
 
 impl Sheared {

@@ -190,7 +190,8 @@ impl<E: Eight> Aim<E> {
             return Sifted { possible, certain: 0 };
         }
         // Most of those that are left are triangles that rays have just left: only bounds of `t` tell.
-        let reached = reached_by_eight(&[u, v, w], corners, self.direction_z, (self.t_min, t_max));
+        let interval = (self.t_min, t_max);
+        let reached = reached_by_eight(&[u, v, w], (least, most), corners, self.direction_z, interval);
         Sifted { possible: possible & reached.possible, certain: possible & reached.certain }
     }
 }
