@@ -7,20 +7,13 @@ use anyhow::{Context, Result, bail};
 use crate::reliability::{Verdict, grouped, keep};
 
 /// Fuzz everything that reads or builds.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, clap::Parser)]
 pub(crate) struct Arguments {
     /// Targets; all of them if none is named.
     targets: Vec<String>,
     /// Seconds a target.
     #[arg(long, default_value_t = 60)]
     secs: u64,
-}
-
-impl Arguments {
-    /// All targets, for so many seconds each.
-    pub(crate) fn all_for(secs: u64) -> Self {
-        Self { targets: Vec::new(), secs }
-    }
 }
 
 /// Whether there is what it takes.

@@ -8,19 +8,16 @@ use serde_json::Value;
 
 use crate::reliability::{self, Verdict, grouped, keep};
 
-/// Rays in each form of batches, if nothing else is said.
-const BATCHES: &str = "1e7";
-
 /// Cast rays from inside closed meshes through every structure: a miss, or two answers, is a failure.
 ///
 /// A ray counts once for each structure and query. The same number and seed cast the same rays on any number of threads.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, clap::Parser)]
 pub(crate) struct Arguments {
     /// How many rays, 1e9 for instance
     #[arg(long, default_value = "1e7")]
     rays: String,
-    /// How many more in each form of batches; without --brute alone
-    #[arg(long, default_value = BATCHES)]
+    /// How many more in each form of batches; none with --brute
+    #[arg(long, default_value = "1e7")]
     batches: String,
     /// End after about so many minutes, with fewer rays; batches are not counted
     #[arg(long)]
@@ -43,25 +40,6 @@ pub(crate) struct Arguments {
     /// Cargo's profile
     #[arg(long, default_value = "release")]
     profile: String,
-}
-
-impl Arguments {
-    /// So many rays and no others' programs, as from the command line.
-    pub(crate) fn of(rays: &str, scenes: Option<PathBuf>, profile: &str) -> Self {
-        let (rays, profile) = (rays.to_owned(), profile.to_owned());
-        let batches = BATCHES.to_owned();
-        Self {
-            rays,
-            batches,
-            minutes: None,
-            seed: 1,
-            brute: false,
-            scenes,
-            engines: None,
-            engine_rays: 100_000,
-            profile,
-        }
-    }
 }
 
 /// Whether nothing was missed.

@@ -1,31 +1,28 @@
-//! What takes hours: altered files, fuzzing, and a billion rays.
+//! What takes hours: altered files, fuzzing, and a billion rays. Tasks of their own, which are run here as from the command line.
 
-use std::process::Command;
+use std::ffi::OsString;
 
 use anyhow::Result;
+use clap::Parser;
 
-use super::{Arguments, Outcome, outcome};
-use crate::{fuzz, soak};
-
-/// Seconds that a fuzz target gets.
-const FUZZ_SECS: u64 = 600;
-/// Rays from inside closed meshes.
-const RAYS: &str = "1e9";
+use super::{Arguments, Outcome};
+use crate::{fuzz, reliability, soak};
 
 /// A million altered saved trees, and a million more that are signed anew.
 pub(super) fn mutants(arguments: &Arguments) -> Result<Outcome> {
-    let mut command = Command::new("cargo");
-    command.args(["test", "--profile", &arguments.profile, "-p", "rdh", "--test", "saved", "--", "--ignored"]);
-    outcome(command.arg("a_million_altered_files"), &["test result: ok."])
+    reliability::test("mutants", &arguments.profile).map(Outcome::Told)
 }
 
 pub(super) fn fuzz(_: &Arguments) -> Result<Outcome> {
     if !fuzz::is_possible() {
         return Ok(Outcome::Skipped("it takes nightly Rust and cargo-fuzz".into()));
     }
-    fuzz::run(&fuzz::Arguments::all_for(FUZZ_SECS)).map(Outcome::Told)
+    fuzz::run(&fuzz::Arguments::parse_from(["fuzz", "--secs", "600"])).map(Outcome::Told)
 }
 
 pub(super) fn soak(arguments: &Arguments) -> Result<Outcome> {
-    soak::run(&soak::Arguments::of(RAYS, arguments.scenes("soak"), &arguments.profile)).map(Outcome::Told)
+    let mut words: Vec<OsString> =
+        ["soak", "--rays", "1e9", "--profile", &arguments.profile].map(OsString::from).into();
+    words.extend(arguments.scenes.iter().flat_map(|folder| ["--scenes".into(), folder.into()]));
+    soak::run(&soak::Arguments::parse_from(words)).map(Outcome::Told)
 }

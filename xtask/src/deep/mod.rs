@@ -94,6 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
                 keep(name, "", &Verdict::Skipped(&why))
             }
             Outcome::Told(is_fine) => {
+                println!("{name}: {}", if is_fine { "ok" } else { "failed" });
                 fine &= is_fine;
                 Ok(())
             }

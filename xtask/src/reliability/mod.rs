@@ -33,7 +33,7 @@ pub(crate) struct Arguments {
 /// Whether no check has failed the last time.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if arguments.tests {
-        TESTS.iter().try_for_each(|test| run_test(test, &arguments.profile))?;
+        TESTS.iter().try_for_each(|test| run_test(test, &arguments.profile).map(drop))?;
     }
     let page = page::Page::of(&folder()?)?;
     let path = crate::root().join(&arguments.output);
@@ -68,8 +68,14 @@ pub(crate) fn keep(check: &str, count: &str, result: &Verdict<'_>) -> Result<()>
     std::fs::write(&path, record.to_string()).with_context(|| path.display().to_string())
 }
 
-/// Runs one of the ordinary tests, by cargo's arguments.
-fn run_test(test: &promises::Test, profile: &str) -> Result<()> {
+/// Runs one of the ordinary tests by its name, keeps what came of it, and says whether it passed.
+pub(crate) fn test(name: &str, profile: &str) -> Result<bool> {
+    let test = TESTS.iter().find(|test| test.name == name).with_context(|| format!("there is no test {name}"))?;
+    run_test(test, profile)
+}
+
+/// Runs one of the ordinary tests, by cargo's arguments: whether it passed.
+fn run_test(test: &promises::Test, profile: &str) -> Result<bool> {
     eprintln!("{}", test.name);
     let mut command = Command::new("cargo");
     command.args(["test", "--quiet", "--profile", profile]).args(test.arguments);
@@ -79,10 +85,10 @@ fn run_test(test: &promises::Test, profile: &str) -> Result<()> {
     let count = format!("{passed} tests");
     if output.status.success() {
         ensure!(passed > 0, "{}: no test has this name", test.name);
-        return keep(test.name, &count, &Verdict::Fine);
+        return keep(test.name, &count, &Verdict::Fine).map(|()| true);
     }
     eprintln!("{text}{}", String::from_utf8_lossy(&output.stderr));
-    keep(test.name, &count, &Verdict::Failed("a test failed"))
+    keep(test.name, &count, &Verdict::Failed("a test failed")).map(|()| false)
 }
 
 /// Of `test result: ok. 12 passed; …`.
