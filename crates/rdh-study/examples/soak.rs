@@ -18,7 +18,7 @@ use rdh_scene::catalog;
 use rdh_study::identical::FAMILIES;
 use rdh_study::soak::others::{Other, others};
 use rdh_study::soak::{
-    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, closed_model, large_mesh, soak, soak_batches,
+    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, closed_model, large_mesh, shares, soak, soak_batches,
 };
 use serde_json::json;
 
@@ -79,12 +79,12 @@ impl Wanted {
         let meshes = self.meshes()?;
         let start = Instant::now();
         let (mut total, mut by_mesh) = (Tally::default(), Vec::new());
-        for (i, closed) in meshes.iter().enumerate().filter(|_| self.plan.casts > 0) {
+        for (i, (closed, part)) in meshes.iter().zip(shares(&meshes)).enumerate().filter(|_| self.plan.casts > 0) {
             // What smaller shares have overshot is taken from those to come.
-            let share = self.plan.casts.saturating_sub(total.casts) / (meshes.len() - i) as u64;
-            let until =
-                self.time.map(|time| Instant::now() + time.saturating_sub(start.elapsed()) / (meshes.len() - i) as u32);
-            let tally = soak(closed, i, share, until, &self.plan).map_err(|e| format!("{}: {e}", closed.name))?;
+            let share = self.plan.casts.saturating_sub(total.casts) as f64 * part;
+            let until = self.time.map(|time| Instant::now() + time.saturating_sub(start.elapsed()).mul_f64(part));
+            let tally =
+                soak(closed, i, share as u64, until, &self.plan).map_err(|e| format!("{}: {e}", closed.name))?;
             by_mesh.push((closed, tally.clone()));
             total = total.plus(tally);
             let (rays, casts) = (total.rays, total.casts);
@@ -113,8 +113,10 @@ impl Wanted {
             return Ok(all);
         }
         meshes.push(large_mesh());
-        let share = self.batches.div_ceil(meshes.len() as u64);
-        for (i, closed) in meshes.iter().enumerate() {
+        let mut left = self.batches as f64;
+        for (i, (closed, part)) in meshes.iter().zip(shares(&meshes)).enumerate() {
+            let share = (left * part).ceil() as u64;
+            left -= share as f64;
             let one = soak_batches(closed, i, share, self.plan.seed).map_err(|e| format!("{}: {e}", closed.name))?;
             all = all.plus(one);
             eprintln!("{}/{} {}: {:?}", i + 1, meshes.len(), closed.name, all.by_form);

@@ -27,7 +27,7 @@ use crate::integrate::{Random, derived_seed};
 pub use aim::Aim;
 use aim::Range;
 pub use batches::{Batches, Form, soak_batches};
-pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed, large_mesh};
+pub use closed::{Ball, Closed, Detail, closed_meshes, is_closed, large_mesh, shares};
 
 /// What is to be done.
 #[derive(Debug, Clone)]
@@ -287,5 +287,5 @@ pub fn aimed_from_inside(closed: &Closed, aim: Aim, count: usize, seed: u64) -> 
 /// A mesh that was read, if it is closed: with balls inside that are found by rays from a grid of points.
 pub fn closed_model(name: &str, mesh: &Mesh) -> Option<Closed> {
     let inside = if is_closed(mesh) { closed::find_inside(mesh) } else { Vec::new() };
-    (!inside.is_empty()).then(|| Closed { name: name.to_owned(), mesh: mesh.clone(), inside })
+    (!inside.is_empty()).then(|| Closed { name: name.to_owned(), mesh: mesh.clone(), inside, weight: 1.0 })
 }
