@@ -20,6 +20,7 @@ mod layout;
 mod leaves;
 mod link;
 mod order;
+mod recent;
 mod reinsert;
 mod spatial;
 mod spec;

@@ -6,6 +6,7 @@
 use super::Bvh;
 use super::leaves::{AnyLeaves, Corners};
 use super::link::Link;
+use super::recent::Recent;
 use super::trace::{Caster, Entry, STACK, Watertight, push_all, push_in_order};
 use crate::geom::Ray;
 use crate::leaf::Collector;
@@ -24,12 +25,13 @@ struct Strand<'a, K: Kernels, C> {
     link: Link,
 }
 
-/// Casts some of a batch's rays, and hands over what each has collected.
+/// Casts some of a batch's rays, and hands over what each has collected; if wanted, notes what they visit.
 #[inline(always)]
 pub(super) fn cast<K: Kernels, C: Collector<Start = ()>>(
     tree: &Bvh<8, AnyLeaves>,
     rays: &[Ray],
     which: &[u32],
+    mut recent: Option<&mut Recent>,
     mut done: impl FnMut(u32, C::Output),
 ) {
     let mut slots = [const { Slots::<Entry, STACK>::new() }; STRANDS];
@@ -41,7 +43,12 @@ pub(super) fn cast<K: Kernels, C: Collector<Start = ()>>(
         live = 0;
         for (strand, stack) in strands.iter_mut().zip(&mut stacks) {
             let goes_on = match strand {
-                Some(strand) => strand.step(tree, stack, &mut t, &mut scratch),
+                Some(strand) => {
+                    if let Some(recent) = &mut recent {
+                        recent.visit(strand.link);
+                    }
+                    strand.step(tree, stack, &mut t, &mut scratch)
+                }
                 None => false,
             };
             if !goes_on {

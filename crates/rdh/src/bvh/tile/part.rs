@@ -5,6 +5,7 @@ use super::effort::Patience;
 use super::{Choice, Packed, RAYS, Tile};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
+use crate::bvh::recent::Recent;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
@@ -13,7 +14,7 @@ use crate::simd::{Eight, Job, Kernels, LANES};
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
     pub(crate) tree: &'a Bvh<8, AnyLeaves>,
-    /// Whether it is so large that rays without order wait for memory.
+    /// Whether it is so large that rays without order may wait for memory.
     pub(crate) is_large: bool,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [C::Output],
@@ -33,6 +34,7 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut others = Others { rays: [0; OTHERS], count: 0 };
         let mut windows = Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() };
         let (mut patience, mut mixed) = (Patience::default(), None::<Choice>);
+        let mut turns_pay = if self.is_large { None } else { Some(false) };
         let mut done = false;
         while !done {
             let is_class = mixed.is_some();
@@ -59,7 +61,7 @@ impl<C: Packed> Job for Part<'_, C> {
             }
             done = mixed.is_none() && which.is_empty();
             if done || others.count > OTHERS - RAYS {
-                self.cast_others::<K>(&others.rays[..others.count], extent);
+                self.cast_others::<K>(&others.rays[..others.count], extent, &mut turns_pay);
                 others.count = 0;
             }
         }
@@ -74,9 +76,10 @@ struct Others {
 
 /// So many rays wait, so that few turns are left empty at their end.
 const OTHERS: usize = 16 * RAYS;
-/// A structure up to this size stays in the caches, and its rays have nothing to wait for: taking turns costs a fifth then. By five
-/// scenes; what rays visit would tell more than what there is.
-pub(crate) const LARGE: usize = 9 << 19;
+/// A structure up to this size stays in a core's caches or nearly, and nothing is tried out.
+pub(crate) const LARGE: usize = 2 << 20;
+/// So many rays try out whether turns pay.
+const SAMPLE: usize = 256;
 /// A tile of fewer rays is not worth it.
 const FEWEST: usize = 2 * LANES;
 
@@ -91,13 +94,26 @@ impl<C: Packed> Part<'_, C> {
         }
     }
 
+    /// Rays without order take turns where they wait for memory, which their first ones try out; elsewhere turns cost a quarter.
     #[inline(always)]
-    fn cast_others<K: Kernels>(&mut self, which: &[u32], extent: Extent) {
-        if self.is_large && extent.is_unordered(self.rays, which) {
-            let answers = &mut *self.answers;
-            strands::cast::<K, C>(self.tree, self.rays, which, |ray, answer| answers[ray as usize] = answer);
-            return;
+    fn cast_others<K: Kernels>(&mut self, which: &[u32], extent: Extent, turns_pay: &mut Option<bool>) {
+        let is_unordered = *turns_pay != Some(false) && extent.is_unordered(self.rays, which);
+        let mut recent = (is_unordered && turns_pay.is_none()).then(Recent::nothing);
+        let (sample, rest) = which.split_at(recent.as_ref().map_or(0, |_| SAMPLE.min(which.len())));
+        for which in [sample, rest] {
+            if is_unordered && *turns_pay != Some(false) {
+                let answers = &mut *self.answers;
+                let done = |ray, answer| answers[ray as usize] = answer;
+                strands::cast::<K, C>(self.tree, self.rays, which, recent.as_mut(), done);
+                *turns_pay = turns_pay.or(recent.take().map(|recent| recent.waits()));
+            } else {
+                self.cast_one_by_one::<K>(which);
+            }
         }
+    }
+
+    #[inline(always)]
+    fn cast_one_by_one<K: Kernels>(&mut self, which: &[u32]) {
         for &ray in which {
             let ray = ray as usize;
             let walk = Walk::<_, C, AnyLeaves, 8> { tree: self.tree, ray: &self.rays[ray], probe: &mut (), start: () };
