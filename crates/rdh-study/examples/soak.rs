@@ -18,7 +18,8 @@ use rdh_scene::catalog;
 use rdh_study::identical::FAMILIES;
 use rdh_study::soak::others::{Other, others};
 use rdh_study::soak::{
-    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, closed_model, large_mesh, shares, soak, soak_batches,
+    Aim, Batches, Closed, Detail, Form, Plan, Tally, closed_meshes, closed_model, large_mesh, shares, soak,
+    soak_batches,
 };
 use serde_json::json;
 

@@ -30,6 +30,7 @@ pub mod options;
 mod parts;
 pub mod precise;
 pub mod probe;
+mod radix;
 pub mod rays;
 pub mod sanitised;
 pub mod saved;

@@ -18,7 +18,7 @@ pub enum Form {
     Tiles,
     /// Rows of a picture, one of whose rays goes through a vertex.
     Rows,
-    /// Any rays of [`Aim`], one after the other.
+    /// Any rays of [`Aim`], one after the other: some batches are large enough to be sorted.
     Shuffled,
     /// Tiles through trees around the point from which they start.
     EyeTiles,
@@ -56,6 +56,8 @@ pub struct Batches {
 
 /// Rays of a batch.
 const BATCH: usize = 1024;
+/// Rays of a batch that is sorted if it has no order, on up to eight threads.
+const SORTED: usize = 32 * BATCH;
 /// Rays of a tile.
 const TILE: usize = 64;
 /// Rays of a row.
@@ -145,7 +147,10 @@ impl Cast<'_> {
 
     fn rays(&self, form: Form, random: &mut Random) -> Vec<Ray> {
         match form {
-            Form::Shuffled => (0..BATCH).map(|i| self.range.ray(Aim::ALL[i % Aim::ALL.len()], random)).collect(),
+            Form::Shuffled => {
+                let count = if random.below(8) == 0 { SORTED } else { BATCH };
+                (0..count).map(|i| self.range.ray(Aim::ALL[i % Aim::ALL.len()], random)).collect()
+            }
             Form::Tiles | Form::EyeTiles => {
                 (0..BATCH / TILE).flat_map(|_| self.tile(form == Form::EyeTiles, random)).collect()
             }

@@ -7,9 +7,11 @@ use rayon::prelude::*;
 use crate::geom::Ray;
 
 /// Rays that a thread takes at a time, at most, …
-const LARGEST: usize = 1 << 14;
-/// … and at least: fewer would not be worth waking it.
+const LARGEST: usize = 1 << 16;
+/// … and at least: fewer would not be worth waking it, …
 const SMALLEST: usize = 1 << 10;
+/// … or this many where there are as many for each thread: rays without order are then given one.
+const ENOUGH: usize = 1 << 12;
 /// Whole tiles.
 const UNIT: usize = 64;
 /// Rows that a thread needs to make tiles of them.
@@ -48,7 +50,8 @@ fn share<A: Send>(
 ) {
     assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
     let threads = rayon::current_num_threads();
-    let share = (rays.len() / (4 * threads)).clamp(SMALLEST, LARGEST);
+    let smallest = (rays.len() / threads).clamp(SMALLEST, ENOUGH);
+    let share = (rays.len() / (4 * threads)).clamp(smallest, LARGEST);
     let part = share.next_multiple_of(width.map_or(UNIT, |width| ROWS * width));
     let (first, rest) = rays.split_at(lead);
     let (first_answers, rest_answers) = answers.split_at_mut(lead);

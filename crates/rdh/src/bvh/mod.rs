@@ -233,8 +233,8 @@ impl<L: Leaves> Bvh<8, L> {
     }
 
     fn part<C: tile::Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) {
-        let (tree, is_large) = (&self.with_any_leaves(), self.bytes() > tile::LARGE);
-        self.level.run(tile::Part::<C> { tree, is_large, rays, answers, width });
+        let (tree, bytes) = (&self.with_any_leaves(), self.bytes());
+        self.level.run(tile::Part::<C> { tree, bytes, rays, answers, width });
     }
 
     /// The same memory, its leaves as any form of them.

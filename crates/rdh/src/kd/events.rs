@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use super::bins::{Bins, Node};
 use super::few::Few;
-use super::radix;
 use super::reference::Reference;
 use crate::error::Result;
 use crate::geom::{Aabb, Axis};
 use crate::mem::{reserve, reserve_all};
 use crate::options::Watch;
+use crate::radix;
 use crate::simd::Level;
 
 /// The candidate planes of one axis, strictly inside the cell, in any order, and some that separate nothing; parallel arrays, whose

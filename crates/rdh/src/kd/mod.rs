@@ -12,7 +12,6 @@ mod events;
 mod few;
 mod layout;
 mod node;
-mod radix;
 mod reference;
 mod shown;
 mod spec;

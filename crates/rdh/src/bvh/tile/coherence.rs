@@ -1,13 +1,15 @@
 //! Which form suits rays: seen from a few of them, so that it costs next to nothing. Answers don't depend on it.
 
+use std::array;
+
 use crate::geom::{Aabb, Ray, Vec3};
 
 /// How far directions of a tile may be apart, in units of their largest component, …
 const TURN: f32 = 0.25;
 /// … and origins, in units of the structure's extent.
 const SHIFT: f32 = 1.0 / 16.0;
-/// If most neighbours' origins are farther apart than this, in the same units, rays have no order.
-const JUMP: f32 = 1.0 / 64.0;
+/// If most neighbours' origins are farther apart than this, in units of how far apart any are, rays have no order.
+const JUMP: f32 = 1.0 / 8.0;
 
 /// How large a structure is, to those who ask how far apart rays are.
 #[derive(Debug, Clone, Copy)]
@@ -29,17 +31,21 @@ impl Extent {
         let shift = spread(some.map(|ray| ray.origin));
         turn <= TURN * size(some[0].direction) && shift <= SHIFT * self.0
     }
+}
 
-    /// Whether rays start here and there.
-    pub(super) fn is_unordered(self, rays: &[Ray], which: &[u32]) -> bool {
-        let step = (which.len() / SAMPLES).max(2);
-        let pairs = which.windows(2).step_by(step).map(|pair| [pair[0], pair[1]].map(|i| rays[i as usize].origin));
-        let (far, all) = pairs.fold((0, 0), |(far, all), [a, b]| {
-            let apart = size([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
-            (far + usize::from(apart > JUMP * self.0), all + 1)
-        });
-        2 * far > all
+/// Whether most of some rays start about as far from the next one as from any other; `ray` tells them by number.
+pub(super) fn are_unordered<'a>(count: usize, ray: impl Fn(usize) -> &'a Ray) -> bool {
+    let step = count / SAMPLES;
+    if step < 2 {
+        return false;
     }
+    let pairs: [[Vec3; 2]; SAMPLES] = array::from_fn(|i| [ray(i * step).origin, ray(i * step + 1).origin]);
+    let apart = |a: Vec3, b: Vec3| size([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
+    let jumps = (0..SAMPLES).filter(|&i| {
+        let ([a, next], [any, _]) = (pairs[i], pairs[(i + 1) % SAMPLES]);
+        apart(a, next) > JUMP * apart(a, any)
+    });
+    4 * jumps.count() >= 3 * SAMPLES
 }
 
 /// So many neighbours are looked at.

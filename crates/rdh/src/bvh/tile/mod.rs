@@ -10,9 +10,10 @@ mod coherence;
 mod effort;
 mod packet;
 mod part;
+mod sorted;
 mod walk;
 
-pub(crate) use part::{LARGE, Part};
+pub(crate) use part::Part;
 
 use crate::geom::{Hit, Ray};
 use crate::leaf::{Any, Closest};

@@ -1,7 +1,8 @@
 //! A part of a batch, as one thread casts it: in tiles where rays are coherent, by turns where they have no order, else one by one.
 
-use super::coherence::Extent;
+use super::coherence::{Extent, are_unordered};
 use super::effort::Patience;
+use super::sorted::{self, sorted};
 use super::{Choice, Packed, RAYS, Tile};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
@@ -9,13 +10,13 @@ use crate::bvh::recent::Recent;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
-use crate::simd::{Eight, Job, Kernels, LANES};
+use crate::simd::{Eight, Job, Kernels, LANES, prefetch};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
     pub(crate) tree: &'a Bvh<8, AnyLeaves>,
-    /// Whether it is so large that rays without order may wait for memory.
-    pub(crate) is_large: bool,
+    /// How large the structure is.
+    pub(crate) bytes: usize,
     pub(crate) rays: &'a [Ray],
     pub(crate) answers: &'a mut [C::Output],
     /// How many rays a row has, if the rays are rows of a picture.
@@ -28,44 +29,43 @@ impl<C: Packed> Job for Part<'_, C> {
     /// One loop, so that each way of casting is compiled once: all is inlined here, where the level's instructions are known.
     #[inline(always)]
     fn run<K: Kernels>(mut self) {
-        let (extent, masks) = (Extent::of(&self.tree.bounds), self.tree.masks.is_some());
-        let has_tiles = K::PACKETS && self.tree.scale.factor() == 1.0;
-        let mut tile = Tile::<K::Eight>::empty();
+        let mut sorts = self.sorts();
+        let mut turns_pay = if self.tries_turns(sorts) { None } else { Some(false) };
+        let mut tiles = Tiles {
+            tile: Tile::<K::Eight>::empty(),
+            extent: Extent::of(&self.tree.bounds),
+            windows: Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() },
+            patience: Patience::default(),
+            mixed: None,
+        };
         let mut others = Others { rays: [0; OTHERS], count: 0 };
-        let mut windows = Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() };
-        let (mut patience, mut mixed) = (Patience::default(), None::<Choice>);
-        let mut turns_pay = if self.is_large { None } else { Some(false) };
         let mut done = false;
         while !done {
-            let is_class = mixed.is_some();
-            let choice = match mixed.take() {
-                Some(choice) => {
-                    let (class, rest) = choice.first_class(self.rays);
-                    mixed = (!rest.rays().is_empty()).then_some(rest);
-                    class
+            let now = sorts && turns_pay == Some(false) && tiles.mixed.is_none();
+            let all = if now { sorted(self.rays, tiles.windows.from) } else { None };
+            sorts &= now == all.is_some();
+            let which = match &all {
+                Some(all) => &all[..],
+                None => {
+                    self.cast_tiles::<K>(&mut tiles, &mut others);
+                    &others.rays[..others.count]
                 }
-                None => windows.next(),
             };
-            let which = choice.rays();
-            let may = has_tiles && which.len() >= FEWEST;
-            let suits = may && (is_class || extent.is_coherent(self.rays, which) && patience.tries());
-            if suits && tile.fill(self.rays, &choice, self.tree.magnitude, masks) {
-                tile.walk::<K, C>(self.tree);
-                self.read(&tile, which);
-                patience.note(tile.effort.has_paid());
-            } else if suits && !is_class {
-                mixed = Some(choice);
-            } else {
-                others.rays[others.count..][..which.len()].copy_from_slice(which);
-                others.count += which.len();
-            }
-            done = mixed.is_none() && which.is_empty();
-            if done || others.count > OTHERS - RAYS {
-                self.cast_others::<K>(&others.rays[..others.count], extent, &mut turns_pay);
-                others.count = 0;
-            }
+            self.cast_others::<K>(which, &mut turns_pay);
+            done = all.is_some() || tiles.mixed.is_none() && tiles.windows.is_empty();
+            others.count = 0;
         }
     }
+}
+
+/// What becomes of a part, window by window.
+struct Tiles<E> {
+    tile: Tile<E>,
+    extent: Extent,
+    windows: Windows,
+    patience: Patience,
+    /// What is left of a window whose rays are of more classes than one.
+    mixed: Option<Choice>,
 }
 
 /// Rays that make no tile wait here until there are enough of them to take turns.
@@ -76,14 +76,63 @@ struct Others {
 
 /// So many rays wait, so that few turns are left empty at their end.
 const OTHERS: usize = 16 * RAYS;
-/// A structure up to this size stays in a core's caches or nearly, and nothing is tried out.
-pub(crate) const LARGE: usize = 2 << 20;
+/// A structure up to this size stays in a core's caches or nearly: no turns.
+const LARGE: usize = 2 << 20;
+/// A structure beyond this size does not stay in the caches that cores share: turns come before sorting.
+const HUGE: usize = 128 << 20;
 /// So many rays try out whether turns pay.
 const SAMPLE: usize = 256;
+/// So many rays ahead memory is asked for.
+const SOON: usize = 4;
 /// A tile of fewer rays is not worth it.
 const FEWEST: usize = 2 * LANES;
 
 impl<C: Packed> Part<'_, C> {
+    /// Whether rays have no order, and are enough to be given one.
+    fn sorts(&self) -> bool {
+        let count = self.rays.len();
+        (sorted::FEWEST..=sorted::MOST).contains(&count) && are_unordered(count, |i| &self.rays[i])
+    }
+
+    /// Whether it is to be tried out if turns pay.
+    fn tries_turns(&self, sorts: bool) -> bool {
+        self.bytes > if sorts { HUGE } else { LARGE }
+    }
+
+    /// Casts what makes tiles, until there are enough others or no rays are left.
+    #[inline(always)]
+    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Eight>, others: &mut Others) {
+        let Tiles { tile, extent, windows, patience, mixed } = tiles;
+        let (has_tiles, masks) = (K::PACKETS && self.tree.scale.factor() == 1.0, self.tree.masks.is_some());
+        while others.count <= OTHERS - RAYS {
+            let is_class = mixed.is_some();
+            let choice = match mixed.take() {
+                Some(choice) => {
+                    let (class, rest) = choice.first_class(self.rays);
+                    *mixed = (!rest.rays().is_empty()).then_some(rest);
+                    class
+                }
+                None => windows.next(),
+            };
+            let which = choice.rays();
+            if which.is_empty() {
+                return;
+            }
+            let may = has_tiles && which.len() >= FEWEST;
+            let suits = may && (is_class || extent.is_coherent(self.rays, which) && patience.tries());
+            if suits && tile.fill(self.rays, &choice, self.tree.magnitude, masks) {
+                tile.walk::<K, C>(self.tree);
+                self.read(tile, which);
+                patience.note(tile.effort.has_paid());
+            } else if suits && !is_class {
+                *mixed = Some(choice);
+            } else {
+                others.rays[others.count..][..which.len()].copy_from_slice(which);
+                others.count += which.len();
+            }
+        }
+    }
+
     /// Writes down what a tile's rays have found.
     #[inline(always)]
     fn read<E: Eight>(&mut self, tile: &Tile<E>, which: &[u32]) {
@@ -96,8 +145,8 @@ impl<C: Packed> Part<'_, C> {
 
     /// Rays without order take turns where they wait for memory, which their first ones try out; elsewhere turns cost a quarter.
     #[inline(always)]
-    fn cast_others<K: Kernels>(&mut self, which: &[u32], extent: Extent, turns_pay: &mut Option<bool>) {
-        let is_unordered = *turns_pay != Some(false) && extent.is_unordered(self.rays, which);
+    fn cast_others<K: Kernels>(&mut self, which: &[u32], turns_pay: &mut Option<bool>) {
+        let is_unordered = *turns_pay != Some(false) && are_unordered(which.len(), |i| &self.rays[which[i] as usize]);
         let mut recent = (is_unordered && turns_pay.is_none()).then(Recent::nothing);
         let (sample, rest) = which.split_at(recent.as_ref().map_or(0, |_| SAMPLE.min(which.len())));
         for which in [sample, rest] {
@@ -114,7 +163,12 @@ impl<C: Packed> Part<'_, C> {
 
     #[inline(always)]
     fn cast_one_by_one<K: Kernels>(&mut self, which: &[u32]) {
-        for &ray in which {
+        for (i, &ray) in which.iter().enumerate() {
+            // Sorted rays lie here and there, and so do their answers.
+            if let Some(&soon) = which.get(i + SOON) {
+                prefetch(&self.rays[soon as usize]);
+                prefetch(&self.answers[soon as usize]);
+            }
             let ray = ray as usize;
             let walk = Walk::<_, C, AnyLeaves, 8> { tree: self.tree, ray: &self.rays[ray], probe: &mut (), start: () };
             self.answers[ray] = walk.run::<K>();
@@ -132,6 +186,11 @@ struct Windows {
 }
 
 impl Windows {
+    /// Whether there are no more rays.
+    fn is_empty(&self) -> bool {
+        self.from >= self.count
+    }
+
     /// The next rays; none at the end.
     #[inline(always)]
     fn next(&mut self) -> Choice {
@@ -147,5 +206,62 @@ impl Windows {
         let choice = Choice::run(self.from, self.count - self.from);
         self.from += choice.rays().len();
         choice
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Structure;
+    use crate::geom::Hit;
+    use crate::leaf::Closest;
+    use crate::{BuildOptions, Mesh, Spec, Training, build};
+
+    /// Numbers of [-1, 1).
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 1u32;
+        move || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(1);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        }
+    }
+
+    /// Small triangles here and there.
+    fn soup(count: u32) -> Mesh {
+        let mut number = numbers();
+        let corners = (0..count).flat_map(|_| {
+            let at = [number(), number(), number()];
+            [0, 1, 2].map(|_| at.map(|x| x + 0.05 * number()))
+        });
+        Mesh::new(corners.collect(), (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh")
+    }
+
+    /// Whatever the size of the structure is said to be, so that rays take turns, are sorted, or turns are tried and given up.
+    #[test]
+    fn rays_without_order_hit_what_they_hit_alone() {
+        let mut number = numbers();
+        let mut rays: Vec<Ray> = (0..sorted::MOST + 1)
+            .map(|_| Ray::new([number(), number(), number()], [number(), number(), number()]))
+            .collect();
+        rays[7].origin[0] = f32::NAN;
+        rays[4000].origin = [f32::INFINITY; 3];
+        rays[5000].direction = [0.0; 3];
+        for triangles in [20, 30_000] {
+            let spec = "bvh8+sah".parse::<Spec>().expect("a spec");
+            let built = build(&soup(triangles), &spec, &Training::none(), &BuildOptions::default());
+            let accel = built.expect("it builds");
+            let Structure::Bvh8(tree) = accel.structure() else { panic!("{accel:?} is no tree of eight") };
+            let alone: Vec<Option<Hit>> = rays.iter().map(|ray| accel.closest(ray)).collect();
+            for count in [100, 1000, 5000, sorted::MOST, sorted::MOST + 1] {
+                for bytes in [0, LARGE + 1, HUGE + 1] {
+                    let mut answers = vec![None; count];
+                    let tree = &tree.with_any_leaves();
+                    let part =
+                        Part::<Closest> { tree, bytes, rays: &rays[..count], answers: &mut answers, width: None };
+                    tree.level.run(part);
+                    assert_eq!(answers[..], alone[..count], "{triangles} triangles, {bytes} bytes, {count} rays");
+                }
+            }
+        }
     }
 }

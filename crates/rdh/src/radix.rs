@@ -1,4 +1,4 @@
-//! Sorting f32 by radix: linear in the number of keys.
+//! Sorting by radix: linear in the number of keys.
 
 /// A key that sorts as the number does; -0 and 0 are one.
 #[inline(always)]
@@ -15,7 +15,7 @@ pub(crate) fn value(key: u32) -> f32 {
 
 /// Fewer keys than this are sorted by comparison.
 const RADIX_FROM: usize = 512;
-const DIGIT_BITS: u32 = 11;
+pub(crate) const DIGIT_BITS: u32 = 11;
 const DIGITS: usize = 1 << DIGIT_BITS;
 
 /// Sorts keys; `scratch` is overwritten.
@@ -32,7 +32,11 @@ pub(crate) fn sort(keys: &mut Vec<u32>, scratch: &mut Vec<u32>) {
     }
 }
 
-fn scatter(from: &[u32], to: &mut [u32], shift: u32) {
+/// Sorts keys by one digit; keys with the same one stay in order.
+///
+/// # Panics
+/// If there are fewer places than keys.
+pub(crate) fn scatter(from: &[u32], to: &mut [u32], shift: u32) {
     let digit = |k: u32| (k >> shift) as usize & (DIGITS - 1);
     let mut next = [0u32; DIGITS];
     for &k in from {
