@@ -32,10 +32,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "ns a ray: hierarchy alone | eye alone, eye together, by areas | the same by rays; builds in ms (one thread)"
     );
-    for name in &plan.scenes {
-        plan.scene(name)?;
-    }
-    Ok(())
+    // Batches would be shared among all threads, and the clock is one thread's.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let all = || plan.scenes.iter().try_for_each(|name| plan.scene(name).map_err(|e| format!("{name}: {e}")));
+    Ok(pool.install(all)?)
 }
 
 struct Plan {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::ThreadPool;
 use rdh::twin::Twin;
-use rdh::{Accel, Hit, Query, Ray};
+use rdh::{Accel, Hit, Query, Ray, Spec};
 
 use super::columns::Column;
 use super::process::{Cast, Process, Trouble};
@@ -53,6 +53,8 @@ enum Runner<'a> {
 /// A structure of ours, and the CPU seconds of its build on one thread.
 #[derive(Debug)]
 pub(crate) struct Ours {
+    /// What was asked for: trees around an eye are others in every scene, and are compared under this name.
+    pub(crate) spec: Spec,
     pub(crate) accel: Accel,
     pub(crate) build_secs: f64,
 }
@@ -69,7 +71,7 @@ impl<'a> Lane<'a> {
     pub(crate) fn ours(ours: &'a Ours) -> Self {
         let stats = ours.accel.stats();
         Self {
-            label: stats.spec.to_string(),
+            label: ours.spec.to_string(),
             base: None,
             version: None,
             form: Form::Single,

@@ -71,8 +71,8 @@ impl Race<'_, '_> {
         let (done, total) = (self.done, self.plan.targets.len());
         (self.see)(&BenchEvent::Scene { place: &place, triangles, done, total });
         let ours = track.ours(self.plan)?;
-        for Ours { accel, build_secs } in &ours {
-            self.built(&track, &accel.stats().spec.to_string(), *build_secs, accel.stats().bytes as u64);
+        for Ours { spec, accel, build_secs } in &ours {
+            self.built(&track, &spec.to_string(), *build_secs, accel.stats().bytes as u64);
         }
         let rays = track.rays(&ours[0].accel, self.plan, columns, self.folder)?;
         let twins = self.twins(&ours);
@@ -83,7 +83,7 @@ impl Race<'_, '_> {
     /// The leaky twins that race, and whose they are.
     fn twins<'o>(&mut self, ours: &'o [Ours]) -> Vec<Pair<'o>> {
         let Some(spec) = self.plan.twin else { return Vec::new() };
-        let Some(original) = ours.iter().find(|ours| ours.accel.stats().spec == spec) else { return Vec::new() };
+        let Some(original) = ours.iter().find(|ours| ours.spec == spec) else { return Vec::new() };
         let mut pairs = Vec::new();
         for (name, leak) in BenchPlan::TWINS {
             match Twin::of(&original.accel, leak) {

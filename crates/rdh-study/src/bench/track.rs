@@ -54,7 +54,7 @@ impl Track {
         let helper = build(&self.stage, &plain, &Training::none())?;
         let training = self.training(&helper.accel, plan);
         let mut helper = Some(helper);
-        let one = |spec: &Spec| match helper.take_if(|helper| helper.accel.stats().spec == *spec) {
+        let one = |spec: &Spec| match helper.take_if(|helper| helper.spec == *spec) {
             Some(helper) => Ok(helper),
             None => build(&self.stage, spec, &training),
         };
@@ -114,5 +114,5 @@ fn batch(frame: &Frame<'_>, accel: &Accel, column: Column, folder: &Path, name: 
 fn build(stage: &Stage, spec: &Spec, training: &Training) -> Result<Ours, String> {
     let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
     let (accel, build_secs) = time_process(|| rdh::build(stage.mesh(), spec, training, &options));
-    Ok(Ours { accel: accel.map_err(|e| format!("{spec}: {e}"))?, build_secs })
+    Ok(Ours { spec: *spec, accel: accel.map_err(|e| format!("{spec}: {e}"))?, build_secs })
 }

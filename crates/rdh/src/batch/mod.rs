@@ -50,8 +50,10 @@ fn share<A: Send>(
 ) {
     assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
     let threads = rayon::current_num_threads();
+    // Some more than threads, so that none waits long for the last.
+    let parts = if threads == 1 { 1 } else { 4 * threads };
     let smallest = (rays.len() / threads).clamp(SMALLEST, ENOUGH);
-    let share = (rays.len() / (4 * threads)).clamp(smallest, LARGEST);
+    let share = (rays.len() / parts).clamp(smallest, LARGEST);
     let part = share.next_multiple_of(width.map_or(UNIT, |width| ROWS * width));
     let (first, rest) = rays.split_at(lead);
     let (first_answers, rest_answers) = answers.split_at_mut(lead);
