@@ -56,7 +56,7 @@ pub struct Batches {
 
 /// Rays of a batch.
 const BATCH: usize = 1024;
-/// Rays of a batch that is sorted if it has no order, on up to eight threads.
+/// Rays of a batch that is sorted, on up to eight threads: of few different ones, so that many start in one place.
 const SORTED: usize = 32 * BATCH;
 /// Rays of a tile.
 const TILE: usize = 64;
@@ -148,8 +148,8 @@ impl Cast<'_> {
     fn rays(&self, form: Form, random: &mut Random) -> Vec<Ray> {
         match form {
             Form::Shuffled => {
-                let count = if random.below(8) == 0 { SORTED } else { BATCH };
-                (0..count).map(|i| self.range.ray(Aim::ALL[i % Aim::ALL.len()], random)).collect()
+                let rays: Vec<Ray> = (0..BATCH).map(|i| self.range.ray(Aim::ALL[i % Aim::ALL.len()], random)).collect();
+                if random.below(8) > 0 { rays } else { (0..SORTED).map(|_| rays[random.below(BATCH)]).collect() }
             }
             Form::Tiles | Form::EyeTiles => {
                 (0..BATCH / TILE).flat_map(|_| self.tile(form == Form::EyeTiles, random)).collect()

@@ -2,7 +2,7 @@
 
 use super::coherence::{Extent, are_unordered};
 use super::effort::Patience;
-use super::sorted::{self, sorted};
+use super::sorted::{self, makes_neighbours, sorted};
 use super::{Choice, Packed, RAYS, Tile};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
@@ -91,7 +91,9 @@ impl<C: Packed> Part<'_, C> {
     /// Whether rays have no order, and are enough to be given one.
     fn sorts(&self) -> bool {
         let count = self.rays.len();
-        (sorted::FEWEST..=sorted::MOST).contains(&count) && are_unordered(count, |i| &self.rays[i])
+        (sorted::FEWEST..=sorted::MOST).contains(&count)
+            && are_unordered(count, |i| &self.rays[i])
+            && makes_neighbours(self.rays)
     }
 
     /// Whether it is to be tried out if turns pay.
@@ -240,8 +242,10 @@ mod tests {
     #[test]
     fn rays_without_order_hit_what_they_hit_alone() {
         let mut number = numbers();
+        // From few places, so that sorting makes neighbours.
+        let place = f32::round;
         let mut rays: Vec<Ray> = (0..sorted::MOST + 1)
-            .map(|_| Ray::new([number(), number(), number()], [number(), number(), number()]))
+            .map(|_| Ray::new([number(), number(), number()].map(place), [number(), number(), number()]))
             .collect();
         rays[7].origin[0] = f32::NAN;
         rays[4000].origin = [f32::INFINITY; 3];

@@ -11,6 +11,11 @@ const NUMBER_BITS: u32 = 16;
 pub(super) const FEWEST: usize = 1 << 12;
 /// The box of where rays start is divided into 2⁴ parts on each axis.
 const PLACE_BITS: u32 = 4;
+const KEY_BITS: u32 = 3 * PLACE_BITS + 3;
+/// So many rays tell how many places there are.
+const SAMPLE: usize = 512;
+/// So many rays a place make up for the sorting.
+const NEIGHBOURS: u64 = 8;
 
 /// The numbers of all rays from one on, at most [`MOST`], in an order in which neighbours start in one place and run in one octant; none
 /// if there is no memory for it. O(n).
@@ -29,6 +34,23 @@ pub(super) fn sorted(rays: &[Ray], first: usize) -> Option<Vec<u32>> {
     }
     from.iter_mut().for_each(|word| *word = (*word & (MOST as u32 - 1)) + first as u32);
     Some(from)
+}
+
+/// Whether sorting so many rays would make neighbours: whether several are expected to start in one place and run in one octant, by how
+/// many of a sample do.
+pub(super) fn makes_neighbours(rays: &[Ray]) -> bool {
+    let step = (rays.len() / SAMPLE).max(1);
+    let sample = || rays.iter().step_by(step).take(SAMPLE);
+    let bounds = sample().fold(Aabb::EMPTY, |bounds, ray| bounds.with(ray.origin));
+    let (mut is_taken, mut alike) = ([0u64; 1 << (KEY_BITS - 6)], 0);
+    for ray in sample() {
+        let key = key(ray, &bounds) as usize;
+        alike += is_taken[key / 64] >> (key % 64) & 1;
+        is_taken[key / 64] |= 1 << (key % 64);
+    }
+    // Of n rays in k places n²/2k are alike, if that is few.
+    let places = (SAMPLE * SAMPLE) as u64 / (2 * alike.max(1));
+    rays.len() as u64 > NEIGHBOURS * places
 }
 
 /// Morton's code of the place, then the octant: 15 bits. What is no number belongs to any place.
@@ -73,6 +95,16 @@ mod tests {
         let mut all = order;
         all.sort_unstable();
         assert!(all.into_iter().eq(0..MOST as u32));
+    }
+
+    #[test]
+    fn neighbours_are_made_where_many_rays_start_in_few_places() {
+        let ray = |i: usize, from: usize| {
+            let origin = [1, 7, 49].map(|part| (i * 7919 % from / part % 7) as f32);
+            Ray::new(origin, [1.0, if i.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0])
+        };
+        let rays = |from| (0..FEWEST).map(|i| ray(i, from)).collect::<Vec<_>>();
+        assert!(makes_neighbours(&rays(49)) && !makes_neighbours(&rays(343)));
     }
 
     #[test]
