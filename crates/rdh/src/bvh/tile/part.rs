@@ -51,7 +51,7 @@ impl<C: Packed> Job for Part<'_, C> {
                     &others.rays[..others.count]
                 }
             };
-            self.cast_others::<K>(which, &mut turns_pay);
+            self.cast_others::<K>(which, all.is_some(), &mut turns_pay);
             done = all.is_some() || tiles.mixed.is_none() && tiles.windows.is_empty();
             others.count = 0;
         }
@@ -147,7 +147,7 @@ impl<C: Packed> Part<'_, C> {
 
     /// Rays without order take turns where they wait for memory, which their first ones try out; elsewhere turns cost a quarter.
     #[inline(always)]
-    fn cast_others<K: Kernels>(&mut self, which: &[u32], turns_pay: &mut Option<bool>) {
+    fn cast_others<K: Kernels>(&mut self, which: &[u32], is_sorted: bool, turns_pay: &mut Option<bool>) {
         let is_unordered = *turns_pay != Some(false) && are_unordered(which.len(), |i| &self.rays[which[i] as usize]);
         let mut recent = (is_unordered && turns_pay.is_none()).then(Recent::nothing);
         let (sample, rest) = which.split_at(recent.as_ref().map_or(0, |_| SAMPLE.min(which.len())));
@@ -158,16 +158,17 @@ impl<C: Packed> Part<'_, C> {
                 strands::cast::<K, C>(self.tree, self.rays, which, recent.as_mut(), done);
                 *turns_pay = turns_pay.or(recent.take().map(|recent| recent.waits()));
             } else {
-                self.cast_one_by_one::<K>(which);
+                self.cast_one_by_one::<K>(which, is_sorted);
             }
         }
     }
 
     #[inline(always)]
-    fn cast_one_by_one<K: Kernels>(&mut self, which: &[u32]) {
+    fn cast_one_by_one<K: Kernels>(&mut self, which: &[u32], is_sorted: bool) {
+        // Sorted rays lie here and there, and so do their answers.
+        let ahead = if is_sorted { SOON } else { which.len() };
         for (i, &ray) in which.iter().enumerate() {
-            // Sorted rays lie here and there, and so do their answers.
-            if let Some(&soon) = which.get(i + SOON) {
+            if let Some(&soon) = which.get(i + ahead) {
                 prefetch(&self.rays[soon as usize]);
                 prefetch(&self.answers[soon as usize]);
             }
