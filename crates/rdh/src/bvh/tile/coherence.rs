@@ -42,7 +42,7 @@ pub(super) fn are_unordered<'a>(count: usize, ray: impl Fn(usize) -> &'a Ray) ->
     let pairs: [[Vec3; 2]; SAMPLES] = array::from_fn(|i| [ray(i * step).origin, ray(i * step + 1).origin]);
     let apart = |a: Vec3, b: Vec3| size([b[0] - a[0], b[1] - a[1], b[2] - a[2]]);
     let jumps = (0..SAMPLES).filter(|&i| {
-        let ([a, next], [any, _]) = (pairs[i], pairs[(i + 1) % SAMPLES]);
+        let ([a, next], [any, _]) = (pairs[i], pairs[(i + SAMPLES / 2) % SAMPLES]);
         apart(a, next) > JUMP * apart(a, any)
     });
     4 * jumps.count() >= 3 * SAMPLES
