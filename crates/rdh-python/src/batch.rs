@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 /// So many rays are cast one by one before it is asked again whether to go on, …
 const STRIDE: usize = 512;
-/// … and so many if all are cast at once: several rows of most pictures, and enough to be sorted if they have no order.
-const BATCH: usize = 1 << 16;
+/// … and so many if all are cast at once: several rows of most pictures.
+const BATCH: usize = 1 << 14;
 /// Rays that one thread takes at a time, at most.
 const WINDOW: usize = 1 << 16;
 /// How long Ctrl-C may go unnoticed.

@@ -33,6 +33,7 @@ mod tests {
     use crate::naive;
     use crate::rays::{Query, RayClass, RaySample};
     use crate::simd::Level;
+    use crate::soup::{numbers, soup};
     use crate::{Ray, TriId};
 
     /// One of each way to build.
@@ -54,26 +55,6 @@ mod tests {
         "sbvh8(high)+rdh(rays=whole)",
         "bvh4(high,from=kd)+rdh",
     ];
-
-    /// Steps of a generator, in [-1, 1).
-    fn numbers(seed: u32) -> impl FnMut() -> f32 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-    }
-
-    /// Triangles of all sizes anywhere.
-    fn soup(n: u32) -> Mesh {
-        let mut x = numbers(n);
-        let mut corners = |_| {
-            let (centre, size) = ([x(), x(), x()], 0.3 * x());
-            [0; 3].map(|_| centre.map(|c| c + size * x()))
-        };
-        let positions = (0..n).flat_map(&mut corners).collect();
-        Mesh::new(positions, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh")
-    }
 
     fn rays(mesh: &Mesh, n: u32) -> Vec<Ray> {
         let mut x = numbers(n + 1);
@@ -101,7 +82,7 @@ mod tests {
     /// Wherever memory is refused first, the build is an error and holds nothing; on two threads, too.
     #[test]
     fn refused_memory_is_an_error_and_leaks_nothing() {
-        let mesh = soup(1500);
+        let mesh = soup(1500, 0.3);
         let rays = training(&mesh, 60);
         for text in FAMILIES {
             let spec: Spec = text.parse().expect(text);
@@ -129,7 +110,7 @@ mod tests {
     /// Wherever a build is told to stop, it does, with one error, and holds nothing.
     #[test]
     fn cancelled_builds_are_one_error_and_leak_nothing() {
-        let mesh = soup(4000);
+        let mesh = soup(4000, 0.3);
         let rays = training(&mesh, 60);
         for text in FAMILIES {
             let spec: Spec = text.parse().expect(text);
@@ -154,7 +135,7 @@ mod tests {
     /// Small enough for interpreters of the language, which look for undefined behaviour.
     #[test]
     fn small_trees_of_every_kind_answer_as_brute_force() {
-        let mesh = soup(40);
+        let mesh = soup(40, 0.3);
         let (training, rays, mut hits) = (training(&mesh, 8), rays(&mesh, 12), Vec::new());
         for text in FAMILIES {
             let spec: Spec = text.parse().expect(text);

@@ -35,6 +35,8 @@ pub mod rays;
 pub mod sanitised;
 pub mod saved;
 pub mod simd;
+#[cfg(test)]
+mod soup;
 pub mod spec;
 mod surface;
 pub mod tune;

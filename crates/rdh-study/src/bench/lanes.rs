@@ -53,7 +53,7 @@ enum Runner<'a> {
 /// A structure of ours, and the CPU seconds of its build on one thread.
 #[derive(Debug)]
 pub(crate) struct Ours {
-    /// What was asked for: trees around an eye are others in every scene, and are compared under this name.
+    /// Its name: what was asked for, since an eye's place is another in every scene, or what `auto` chose.
     pub(crate) spec: Spec,
     pub(crate) accel: Accel,
     pub(crate) build_secs: f64,

@@ -114,5 +114,8 @@ fn batch(frame: &Frame<'_>, accel: &Accel, column: Column, folder: &Path, name: 
 fn build(stage: &Stage, spec: &Spec, training: &Training) -> Result<Ours, String> {
     let options = BuildOptions { threads: Some(1), ..BuildOptions::default() };
     let (accel, build_secs) = time_process(|| rdh::build(stage.mesh(), spec, training, &options));
-    Ok(Ours { spec: *spec, accel: accel.map_err(|e| format!("{spec}: {e}"))?, build_secs })
+    let accel = accel.map_err(|e| format!("{spec}: {e}"))?;
+    // What was chosen is what races.
+    let spec = if *spec == Spec::AUTO { accel.stats().spec } else { *spec };
+    Ok(Ours { spec, accel, build_secs })
 }

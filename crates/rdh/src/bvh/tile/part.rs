@@ -1,4 +1,7 @@
-//! A part of a batch, as one thread casts it: in tiles where rays are coherent, by turns where they have no order, else one by one.
+//! A part of a batch, as one thread casts it: in tiles where rays are coherent, sorted or by turns where they have no order, else one
+//! by one.
+
+use std::mem;
 
 use super::coherence::{Extent, are_unordered};
 use super::effort::Patience;
@@ -41,9 +44,8 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut others = Others { rays: [0; OTHERS], count: 0 };
         let mut done = false;
         while !done {
-            let now = sorts && turns_pay == Some(false) && tiles.mixed.is_none();
+            let now = turns_pay == Some(false) && tiles.mixed.is_none() && mem::take(&mut sorts);
             let all = if now { sorted(self.rays, tiles.windows.from) } else { None };
-            sorts &= now == all.is_some();
             let which = match &all {
                 Some(all) => &all[..],
                 None => {
@@ -218,31 +220,13 @@ mod tests {
     use crate::accel::Structure;
     use crate::geom::Hit;
     use crate::leaf::Closest;
-    use crate::{BuildOptions, Mesh, Spec, Training, build};
-
-    /// Numbers of [-1, 1).
-    fn numbers() -> impl FnMut() -> f32 {
-        let mut state = 1u32;
-        move || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(1);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-    }
-
-    /// Small triangles here and there.
-    fn soup(count: u32) -> Mesh {
-        let mut number = numbers();
-        let corners = (0..count).flat_map(|_| {
-            let at = [number(), number(), number()];
-            [0, 1, 2].map(|_| at.map(|x| x + 0.05 * number()))
-        });
-        Mesh::new(corners.collect(), (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()).expect("a valid mesh")
-    }
+    use crate::soup::{numbers, soup};
+    use crate::{BuildOptions, Spec, Training, build};
 
     /// Whatever the size of the structure is said to be, so that rays take turns, are sorted, or turns are tried and given up.
     #[test]
     fn rays_without_order_hit_what_they_hit_alone() {
-        let mut number = numbers();
+        let mut number = numbers(1);
         // From few places, so that sorting makes neighbours.
         let place = f32::round;
         let mut rays: Vec<Ray> = (0..sorted::MOST + 1)
@@ -253,7 +237,7 @@ mod tests {
         rays[5000].direction = [0.0; 3];
         for triangles in [20, 30_000] {
             let spec = "bvh8+sah".parse::<Spec>().expect("a spec");
-            let built = build(&soup(triangles), &spec, &Training::none(), &BuildOptions::default());
+            let built = build(&soup(triangles, 0.05), &spec, &Training::none(), &BuildOptions::default());
             let accel = built.expect("it builds");
             let Structure::Bvh8(tree) = accel.structure() else { panic!("{accel:?} is no tree of eight") };
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| accel.closest(ray)).collect();

@@ -21,12 +21,10 @@ const NEIGHBOURS: u64 = 8;
 /// if there is no memory for it. O(n).
 pub(super) fn sorted(rays: &[Ray], first: usize) -> Option<Vec<u32>> {
     let some = rays.get(first..)?;
-    let (mut from, mut to) = (Vec::new(), Vec::new());
+    let (mut from, mut to) = (Vec::new(), mem::zeroed(some.len(), "the order of rays").ok()?);
     mem::reserve_all(&mut from, some.len(), "the order of rays").ok()?;
-    mem::reserve_all(&mut to, some.len(), "the order of rays").ok()?;
     let bounds = some.iter().fold(Aabb::EMPTY, |bounds, ray| bounds.with(ray.origin));
     from.extend(some.iter().zip(0..).map(|(ray, number): (_, u32)| key(ray, &bounds) << NUMBER_BITS | number));
-    to.resize(some.len(), 0);
     // The lowest digit takes some bits of the numbers along, by which they are in order already.
     for shift in [u32::BITS - 2 * DIGIT_BITS, u32::BITS - DIGIT_BITS] {
         scatter(&from, &mut to, shift);
@@ -78,14 +76,11 @@ fn spread(x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soup::numbers;
 
     #[test]
     fn neighbours_start_in_one_place_and_run_in_one_octant() {
-        let mut state = 1u32;
-        let mut number = || {
-            state = state.wrapping_mul(747_796_405).wrapping_add(1);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        };
+        let mut number = numbers(1);
         let mut rays: Vec<Ray> =
             (0..MOST).map(|_| Ray::new([number(), number(), number()], [number(), number(), number()])).collect();
         rays[5] = Ray::new([f32::NAN, f32::INFINITY, -1e30], [f32::NAN, -0.0, 0.0]);
