@@ -29,7 +29,7 @@ pub(crate) struct Part<'a, C: Packed> {
 impl<C: Packed> Job for Part<'_, C> {
     type Output = ();
 
-    /// One loop, so that each way of casting is compiled once: all is inlined here, where the level's instructions are known.
+    /// One loop, so that tiles are compiled once: all of theirs is inlined here, where the level's instructions are known.
     #[inline(always)]
     fn run<K: Kernels>(mut self) {
         let mut sorts = self.sorts();
@@ -53,7 +53,7 @@ impl<C: Packed> Job for Part<'_, C> {
                     &others.rays[..others.count]
                 }
             };
-            self.cast_others::<K>(which, all.is_some(), &mut turns_pay);
+            self.cast_others(which, all.is_some(), &mut turns_pay);
             done = all.is_some() || tiles.mixed.is_none() && tiles.windows.is_empty();
             others.count = 0;
         }
@@ -148,35 +148,67 @@ impl<C: Packed> Part<'_, C> {
     }
 
     /// Rays without order take turns where they wait for memory, which their first ones try out; elsewhere turns cost a quarter.
-    #[inline(always)]
-    fn cast_others<K: Kernels>(&mut self, which: &[u32], is_sorted: bool, turns_pay: &mut Option<bool>) {
+    fn cast_others(&mut self, which: &[u32], is_sorted: bool, turns_pay: &mut Option<bool>) {
         let is_unordered = *turns_pay != Some(false) && are_unordered(which.len(), |i| &self.rays[which[i] as usize]);
         let mut recent = (is_unordered && turns_pay.is_none()).then(Recent::nothing);
         let (sample, rest) = which.split_at(recent.as_ref().map_or(0, |_| SAMPLE.min(which.len())));
         for which in [sample, rest] {
+            let (tree, rays, answers) = (self.tree, self.rays, &mut *self.answers);
             if is_unordered && *turns_pay != Some(false) {
-                let answers = &mut *self.answers;
-                let done = |ray, answer| answers[ray as usize] = answer;
-                strands::cast::<K, C>(self.tree, self.rays, which, recent.as_mut(), done);
+                tree.level.run(ByTurns::<C> { tree, rays, which, recent: recent.as_mut(), answers });
                 *turns_pay = turns_pay.or(recent.take().map(|recent| recent.waits()));
             } else {
-                self.cast_one_by_one::<K>(which, is_sorted);
+                tree.level.run(OneByOne::<C> { tree, rays, which, is_sorted, answers });
             }
         }
     }
+}
+
+/// Some of a batch's rays, each of which waits for memory while others compute.
+struct ByTurns<'a, C: Packed> {
+    tree: &'a Bvh<8, AnyLeaves>,
+    rays: &'a [Ray],
+    which: &'a [u32],
+    /// If wanted, what they visit.
+    recent: Option<&'a mut Recent>,
+    answers: &'a mut [C::Output],
+}
+
+impl<C: Packed> Job for ByTurns<'_, C> {
+    type Output = ();
 
     #[inline(always)]
-    fn cast_one_by_one<K: Kernels>(&mut self, which: &[u32], is_sorted: bool) {
-        // Sorted rays lie here and there, and so do their answers.
+    fn run<K: Kernels>(self) {
+        let done = |ray, answer| self.answers[ray as usize] = answer;
+        strands::cast::<K, C>(self.tree, self.rays, self.which, self.recent, done);
+    }
+}
+
+/// Some of a batch's rays, one after the other: compiled by itself, so that the walk has all registers.
+struct OneByOne<'a, C: Packed> {
+    tree: &'a Bvh<8, AnyLeaves>,
+    rays: &'a [Ray],
+    which: &'a [u32],
+    /// Sorted rays lie here and there, and so do their answers.
+    is_sorted: bool,
+    answers: &'a mut [C::Output],
+}
+
+impl<C: Packed> Job for OneByOne<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        let Self { tree, rays, which, is_sorted, answers } = self;
         let ahead = if is_sorted { SOON } else { which.len() };
         for (i, &ray) in which.iter().enumerate() {
             if let Some(&soon) = which.get(i + ahead) {
-                prefetch(&self.rays[soon as usize]);
-                prefetch(&self.answers[soon as usize]);
+                prefetch(&rays[soon as usize]);
+                prefetch(&answers[soon as usize]);
             }
             let ray = ray as usize;
-            let walk = Walk::<_, C, AnyLeaves, 8> { tree: self.tree, ray: &self.rays[ray], probe: &mut (), start: () };
-            self.answers[ray] = walk.run::<K>();
+            let walk = Walk::<_, C, AnyLeaves, 8> { tree, ray: &rays[ray], probe: &mut (), start: () };
+            answers[ray] = walk.run::<K>();
         }
     }
 }
