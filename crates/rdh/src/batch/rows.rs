@@ -17,8 +17,10 @@ const FIRST: usize = 16;
 const LONGEST: usize = 1 << 14;
 /// Neighbours that are so many times as far apart as usual are none.
 const JUMP: f32 = 8.0;
-/// So many pairs must lie below each other.
-const PAIRS: usize = 8;
+/// So many pairs are looked at, …
+const PAIRS: usize = 16;
+/// … and so many of them must lie below each other: surfaces have edges.
+const BELOW: usize = 12;
 
 /// The rows, if the rays are those of a picture's pixels, one row after the other.
 pub(super) fn find(rays: &[Ray]) -> Option<Rows> {
@@ -39,9 +41,12 @@ pub(super) fn find(rays: &[Ray]) -> Option<Rows> {
         return None;
     }
     let span = rays.len() - width;
-    let below = |k: usize| Apart::of(&[rays[span * k / PAIRS], rays[span * k / PAIRS + width]]);
-    let whole = (0..PAIRS).filter(|&k| !below(k).is_beyond(&usual)).count();
-    (whole + 1 >= PAIRS).then_some(Rows { width, lead: first % width })
+    let is_below = |k: usize| {
+        let [ray, beside, below] = [0, width / 2, width].map(|further| &rays[span * k / PAIRS + further]);
+        Apart::of(&[*ray, *below]).is_within_half(&Apart::of(&[*ray, *beside]), ray)
+    };
+    let count = (0..PAIRS).filter(|&k| is_below(k)).count();
+    (count >= BELOW).then_some(Rows { width, lead: first % width })
 }
 
 /// How far two rays are apart.
@@ -67,6 +72,12 @@ impl Apart {
         Self { turn: self.turn.max(other.turn), shift: self.shift.max(other.shift) }
     }
 
+    /// Whether this is at most half as much, but for rounding.
+    fn is_within_half(&self, other: &Self, ray: &Ray) -> bool {
+        let least = Self::least(ray);
+        self.turn <= 0.5 * other.turn + least.turn && self.shift <= 0.5 * other.shift + least.shift
+    }
+
     /// Whether this is much more than usual, or no number.
     fn is_beyond(&self, usual: &Self) -> bool {
         !(self.turn <= JUMP * usual.turn && self.shift <= JUMP * usual.shift)
@@ -80,6 +91,7 @@ fn size([x, y, z]: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soup::numbers;
 
     /// Rays through the pixels of a picture, row by row.
     fn picture(width: usize, height: usize) -> Vec<Ray> {
@@ -111,6 +123,12 @@ mod tests {
         let scattered: Vec<Ray> = (0..4096).map(|i| rays[i * 1663 % 4096]).collect();
         assert_eq!(find(&scattered), None);
         assert_eq!(find(&vec![rays[0]; 1000]), None);
+        // Towards the sun, from leaves here and there, and now and then from far behind them.
+        let mut number = numbers(1);
+        let mut depth = |i: usize| if i % 16 > 0 || number() < 0.5 { number() } else { 30.0 };
+        let leaves: Vec<Ray> =
+            (0..4096).map(|i| Ray::new([i as f32 * 0.01, 0.0, depth(i + 1)], [0.1, 0.2, 1.0])).collect();
+        assert_eq!(find(&leaves), None);
         rays.iter_mut().for_each(|ray| ray.direction[0] = f32::NAN);
         assert_eq!(find(&rays), None);
     }
