@@ -164,6 +164,39 @@ fn rays_from_the_eye_hit_what_brute_force_hits() {
     }
 }
 
+/// Walls that lie on walls, some steps of rounding apart: up to five triangles of which margins can't tell which is nearest.
+#[test]
+fn surfaces_on_surfaces_are_told_apart() {
+    for layers in 1..6 {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        for layer in 0..layers {
+            let x = f32::from_bits(2.0f32.to_bits() + [0, 1, 0, 3, 1][layer]);
+            let first = positions.len() as u32;
+            positions.extend([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[y, z]| [x, y, z]));
+            let quad = if layer % 2 == 0 { [[0, 1, 2], [2, 0, 3]] } else { [[3, 0, 1], [1, 2, 3]] };
+            triangles.extend(quad.map(|t| t.map(|i: u32| i + first)));
+        }
+        // Behind them, seen by rays that start beyond some of them.
+        let behind = positions.len() as u32;
+        positions.extend([[2.5, -9.0, -9.0], [2.5, 9.0, -9.0], [2.5, 0.0, 9.0]]);
+        triangles.push([behind, behind + 1, behind + 2]);
+        let mesh = Mesh::new(positions, triangles).unwrap();
+        let tree = tree(&mesh, [0.0; 3], EyeForm::From);
+        well_formed(&tree);
+        let at = |i: usize| (i as f32 - 16.0) / 24.0;
+        let mut rays: Vec<Ray> = (0..1024).map(|i| Ray::new([0.0; 3], [1.0, at(i % 32), at(i / 32)])).collect();
+        for i in 0..rays.len() {
+            let Some(hit) = naive::closest(&mesh, &rays[i]) else { continue };
+            let beyond = |steps: u32| f32::from_bits(hit.t.to_bits() + steps);
+            rays.extend([0, 1, 2, 3, 4].map(|steps| rays[i].within(beyond(steps), f32::INFINITY)));
+            rays.extend([0, 1, 3].map(|steps| rays[i].within(0.0, beyond(steps))));
+            rays.push(rays[i].within(0.0, f32::from_bits(hit.t.to_bits() - 1)));
+            rays.push(rays[i].within(beyond(1), beyond(2)));
+        }
+        agrees(&tree, &mesh, &rays);
+    }
+}
+
 #[test]
 fn a_closed_mesh_has_no_holes() {
     let (positions, triangles) = sphere(1.0, [0.25, -0.5, 3.0], 24);

@@ -6,8 +6,9 @@
 //!     for each triangle in it, nearest first, until it is less near than what all rays have met:
 //!         for each octet whose box it meets: compare its forms with the eight rays             (Kernels::see)
 //! then, once a ray: THE triangle test of the one triangle that it surely hits first            (Kernels::meet_own)
+//!     or of those few of which the margins don't tell which it hits first
 //! ```
-//! A ray for which the margins leave open what it hits first walks alone (`trace.rs`), as do those of tiles that are too wide.
+//! A ray with more of these than there is room for walks alone (`trace.rs`), as do those of tiles that are too wide.
 
 use super::EyeTree;
 use super::face::Face;
@@ -268,34 +269,77 @@ fn finish<K: Kernels>(
         order.iter().for_each(|&i| hits[i as usize] = None);
         return;
     };
-    let mut corners = [any; RAYS];
-    for (corners, &best) in corners.iter_mut().zip(&octet.best) {
-        *corners = face.corners.get(best as usize).unwrap_or(any);
+    let mut first = First::NONE;
+    let rows = if octet.several & !octet.unsure == 0 { 1 } else { Octet::CANDIDATES };
+    for best in &octet.best[..rows] {
+        let (mut corners, mut ids, mut there) = ([any; RAYS], [0; RAYS], 0);
+        for lane in 0..RAYS {
+            if let Some(found) = face.corners.get(best[lane] as usize) {
+                (corners[lane], ids[lane]) = (found, found[0][3].to_bits());
+                there |= 1 << lane;
+            }
+        }
+        if there == 0 {
+            break;
+        }
+        K::meet_own(aims, eye, &corners, met);
+        first.take(met, &ids, there);
     }
-    K::meet_own(aims, eye, &corners, met);
     for (lane, &i) in order.iter().enumerate() {
-        let (bit, best) = (1 << lane, octet.best[lane]);
-        hits[i as usize] = if octet.unsure & bit != 0 {
-            unsure(tree, face, &rays[i as usize])
-        } else if met.hits & bit != 0 && best != Octet::NONE {
-            let (t, u, v) = (met.t[lane], met.u[lane], met.v[lane]);
-            let tri = TriId(corners[lane][0][3].to_bits());
-            Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
-        } else if best == Octet::NONE {
-            None
+        let (bit, ray, hit) = (1 << lane, &rays[i as usize], &mut hits[i as usize]);
+        // Each is written where it belongs at once: to be put together elsewhere and copied would take a quarter of the time.
+        if octet.unsure & bit != 0 {
+            *hit = unsure(tree, face, ray);
+        } else if first.hits & bit != 0 && (first.passed & bit == 0 || aims.t_min[lane] == 0.0) {
+            let (t, u, v, tri) = (first.t[lane], first.u[lane], first.v[lane], TriId(first.ids[lane]));
+            *hit = Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) });
+        } else if first.passed & bit != 0 {
+            *hit = beyond(tree, ray);
         } else {
-            beyond(tree, &rays[i as usize])
-        };
+            *hit = None;
+        }
     }
 }
 
-/// A ray of which the margins don't tell what it hits first.
+/// The nearest hits of eight rays among a few triangles each.
+struct First {
+    t: [f32; RAYS],
+    u: [f32; RAYS],
+    v: [f32; RAYS],
+    ids: [u32; RAYS],
+    /// Which rays have one: a bit a lane.
+    hits: u32,
+    /// Which rays don't hit all of theirs.
+    passed: u32,
+}
+
+impl First {
+    const NONE: Self = Self { t: [0.0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS], ids: [0; RAYS], hits: 0, passed: 0 };
+
+    /// Takes what is nearer, or as near with a smaller id, of the lanes that are `there`.
+    #[inline(always)]
+    fn take(&mut self, met: &Met, ids: &[u32; RAYS], there: u32) {
+        let hits = met.hits & there;
+        self.passed |= there & !hits;
+        for i in 0..RAYS {
+            let wins = met.t[i] < self.t[i] || (met.t[i] == self.t[i] && ids[i] < self.ids[i]);
+            let takes = hits >> i & 1 == 1 && (self.hits >> i & 1 == 0 || wins);
+            self.t[i] = if takes { met.t[i] } else { self.t[i] };
+            self.u[i] = if takes { met.u[i] } else { self.u[i] };
+            self.v[i] = if takes { met.v[i] } else { self.v[i] };
+            self.ids[i] = if takes { ids[i] } else { self.ids[i] };
+        }
+        self.hits |= hits;
+    }
+}
+
+/// A ray with more triangles than a few that it may hit first.
 #[inline(never)]
 fn unsure(tree: &EyeTree, face: &Face, ray: &Ray) -> Option<Hit> {
     tree.closest_in(face, &RayFrame::new(ray), ray, &mut ())
 }
 
-/// A ray that does not hit within its interval what it meets first.
+/// A ray that does not hit within its interval what it may hit first, or may hit what is hidden since it starts behind some of that.
 #[cold]
 #[inline(never)]
 fn beyond(tree: &EyeTree, ray: &Ray) -> Option<Hit> {

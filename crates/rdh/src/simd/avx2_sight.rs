@@ -72,9 +72,15 @@ pub(super) fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
         }
         let (low, high) = span(sight, u, v);
         let (least, most) = (_mm256_loadu_ps(octet.least.as_ptr()), _mm256_loadu_ps(octet.most.as_ptr()));
-        let (best, index) = (_mm256_loadu_si256(octet.best.as_ptr().cast()), _mm256_set1_epi32(index as i32));
-        let same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(best, index));
-        let maybe = _mm256_andnot_ps(same, _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GE_OQ>(high, least)));
+        let index = _mm256_set1_epi32(index as i32);
+        let mut same = _mm256_cmpeq_epi32(candidates(octet, 0), index);
+        if octet.several != 0 {
+            for row in 1..Octet::CANDIDATES {
+                same = _mm256_or_si256(same, _mm256_cmpeq_epi32(candidates(octet, row), index));
+            }
+        }
+        let maybe = _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GE_OQ>(high, least));
+        let maybe = _mm256_andnot_ps(_mm256_castsi256_ps(same), maybe);
         let lanes = _mm256_movemask_ps(maybe);
         if lanes == 0 {
             return false;
@@ -82,19 +88,49 @@ pub(super) fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
         let certain = _mm256_and_ps(maybe, _mm256_cmp_ps::<_CMP_GT_OQ>(inside, _mm256_set1_ps(1.0)));
         let wins = _mm256_and_ps(certain, _mm256_cmp_ps::<_CMP_GT_OQ>(low, most));
         let won = _mm256_movemask_ps(wins);
+        put(octet, 0, index, wins);
+        if octet.several & won as u32 != 0 {
+            for row in 1..Octet::CANDIDATES {
+                put(octet, row, _mm256_set1_epi32(Octet::NONE as i32), wins);
+            }
+            octet.several &= !(won as u32);
+            octet.unsure &= !(won as u32);
+        }
         let (mut takes, mut most) = (wins, _mm256_blendv_ps(most, high, wins));
-        octet.unsure &= !(won as u32);
         if won != lanes {
-            octet.unsure |= (lanes & !won) as u32;
-            let open = _mm256_andnot_ps(wins, maybe);
+            let mut open = _mm256_andnot_ps(wins, maybe);
             most = _mm256_blendv_ps(most, _mm256_max_ps(most, high), open);
             takes = _mm256_or_ps(takes, _mm256_and_ps(certain, _mm256_cmp_ps::<_CMP_GT_OQ>(low, least)));
+            for row in 0..Octet::CANDIDATES {
+                let none = _mm256_cmpeq_epi32(candidates(octet, row), _mm256_set1_epi32(Octet::NONE as i32));
+                let room = _mm256_and_ps(open, _mm256_castsi256_ps(none));
+                put(octet, row, index, room);
+                open = _mm256_andnot_ps(room, open);
+                octet.several |= if row > 0 { _mm256_movemask_ps(room) as u32 } else { 0 };
+            }
+            octet.unsure |= _mm256_movemask_ps(open) as u32;
         }
-        let best = _mm256_blendv_ps(_mm256_castsi256_ps(best), _mm256_castsi256_ps(index), takes);
         _mm256_storeu_ps(octet.least.as_mut_ptr(), _mm256_blendv_ps(least, low, takes));
         _mm256_storeu_ps(octet.most.as_mut_ptr(), most);
-        _mm256_storeu_si256(octet.best.as_mut_ptr().cast(), _mm256_castps_si256(best));
         true
+    }
+}
+
+/// A row of candidates.
+#[inline(always)]
+fn candidates(octet: &Octet, row: usize) -> __m256i {
+    // SAFETY: see above; a row has eight numbers.
+    unsafe { _mm256_loadu_si256(octet.best[row].as_ptr().cast()) }
+}
+
+/// Puts a number into some lanes of a row of candidates.
+#[inline(always)]
+fn put(octet: &mut Octet, row: usize, index: __m256i, lanes: __m256) {
+    let best = candidates(octet, row);
+    // SAFETY: see above; a row has eight numbers.
+    unsafe {
+        let best = _mm256_blendv_ps(_mm256_castsi256_ps(best), _mm256_castsi256_ps(index), lanes);
+        _mm256_storeu_si256(octet.best[row].as_mut_ptr().cast(), _mm256_castps_si256(best));
     }
 }
 

@@ -90,7 +90,7 @@ impl Views {
         Self { least: [f32::INFINITY; RAYS], low: [[i16::MAX; RAYS]; 2], high: [[i16::MIN; RAYS]; 2] };
 }
 
-/// Eight rays from the eye, and the nearest triangle that each has met.
+/// Eight rays from the eye, and the triangles that each may hit first.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(crate) struct Octet {
@@ -100,15 +100,19 @@ pub(crate) struct Octet {
     pub(crate) least: [f32; RAYS],
     /// … and none that was looked at is nearer than this.
     pub(crate) most: [f32; RAYS],
-    /// Which [`Sight`] is hit first.
-    pub(crate) best: [u32; RAYS],
-    /// Rays of which that is not certain: a bit a lane.
+    /// Which [`Sight`]s may be hit first, those of the first row before those of the others.
+    pub(crate) best: [[u32; RAYS]; Self::CANDIDATES],
+    /// Rays with more of them than one: a bit a lane.
+    pub(crate) several: u32,
+    /// Rays with more than there is room for.
     pub(crate) unsure: u32,
 }
 
 impl Octet {
     /// No sight.
     pub(crate) const NONE: u32 = u32::MAX;
+    /// So many triangles of which the margins don't tell which is hit first, if any: surfaces lie on surfaces, and have edges.
+    pub(crate) const CANDIDATES: usize = 3;
 
     /// Nothing met yet.
     pub(crate) const NEW: Self = Self {
@@ -116,7 +120,8 @@ impl Octet {
         v: [0.0; RAYS],
         least: [f32::MIN; RAYS],
         most: [f32::MIN; RAYS],
-        best: [Self::NONE; RAYS],
+        best: [[Self::NONE; RAYS]; Self::CANDIDATES],
+        several: 0,
         unsure: 0,
     };
 }
@@ -194,20 +199,30 @@ pub(super) fn see(sight: &Sight, index: u32, octet: &mut Octet) -> bool {
         let (u, v) = (octet.u[i], octet.v[i]);
         let inside = sight.inside(u, v);
         let (low, high) = sight.span(u, v);
-        if !(inside >= -1.0 && high >= octet.least[i]) || octet.best[i] == index {
+        if !(inside >= -1.0 && high >= octet.least[i]) || octet.best.iter().any(|best| best[i] == index) {
             continue;
         }
         changed = true;
-        let certain = inside > 1.0;
+        let (certain, bit) = (inside > 1.0, 1 << i);
         if certain && low > octet.most[i] {
-            (octet.least[i], octet.most[i], octet.best[i]) = (low, high, index);
-            octet.unsure &= !(1 << i);
+            (octet.least[i], octet.most[i]) = (low, high);
+            for (row, best) in octet.best.iter_mut().enumerate() {
+                best[i] = if row == 0 { index } else { Octet::NONE };
+            }
+            octet.several &= !bit;
+            octet.unsure &= !bit;
             continue;
         }
-        octet.unsure |= 1 << i;
         octet.most[i] = if high > octet.most[i] { high } else { octet.most[i] };
         if certain && low > octet.least[i] {
-            (octet.least[i], octet.best[i]) = (low, index);
+            octet.least[i] = low;
+        }
+        match octet.best.iter().position(|best| best[i] == Octet::NONE) {
+            Some(row) => {
+                octet.best[row][i] = index;
+                octet.several |= if row > 0 { bit } else { 0 };
+            }
+            None => octet.unsure |= bit,
         }
     }
     changed
