@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(find(&vec![rays[0]; 1000]), None);
         // Towards the sun, from leaves here and there, and now and then from far behind them.
         let mut number = numbers(1);
-        let mut depth = |i: usize| if i % 16 > 0 || number() < 0.5 { number() } else { 30.0 };
+        let mut depth = |i: usize| if i.is_multiple_of(16) && number() > 0.5 { 30.0 } else { number() };
         let leaves: Vec<Ray> =
             (0..4096).map(|i| Ray::new([i as f32 * 0.01, 0.0, depth(i + 1)], [0.1, 0.2, 1.0])).collect();
         assert_eq!(find(&leaves), None);

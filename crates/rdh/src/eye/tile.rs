@@ -273,8 +273,8 @@ fn finish<K: Kernels>(
     let rows = if octet.several & !octet.unsure == 0 { 1 } else { Octet::CANDIDATES };
     for best in &octet.best[..rows] {
         let (mut corners, mut ids, mut there) = ([any; RAYS], [0; RAYS], 0);
-        for lane in 0..RAYS {
-            if let Some(found) = face.corners.get(best[lane] as usize) {
+        for (lane, &best) in best.iter().enumerate() {
+            if let Some(found) = face.corners.get(best as usize) {
                 (corners[lane], ids[lane]) = (found, found[0][3].to_bits());
                 there |= 1 << lane;
             }
@@ -321,13 +321,13 @@ impl First {
     fn take(&mut self, met: &Met, ids: &[u32; RAYS], there: u32) {
         let hits = met.hits & there;
         self.passed |= there & !hits;
-        for i in 0..RAYS {
-            let wins = met.t[i] < self.t[i] || (met.t[i] == self.t[i] && ids[i] < self.ids[i]);
+        for (i, &id) in ids.iter().enumerate() {
+            let wins = met.t[i] < self.t[i] || (met.t[i] == self.t[i] && id < self.ids[i]);
             let takes = hits >> i & 1 == 1 && (self.hits >> i & 1 == 0 || wins);
             self.t[i] = if takes { met.t[i] } else { self.t[i] };
             self.u[i] = if takes { met.u[i] } else { self.u[i] };
             self.v[i] = if takes { met.v[i] } else { self.v[i] };
-            self.ids[i] = if takes { ids[i] } else { self.ids[i] };
+            self.ids[i] = if takes { id } else { self.ids[i] };
         }
         self.hits |= hits;
     }
