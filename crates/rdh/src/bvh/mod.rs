@@ -40,6 +40,7 @@ pub(crate) use leaves::Leaves;
 pub use leaves::{Copies, Shared};
 pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, When, Width};
 pub(crate) use split::{Centres, Search};
+pub(crate) use tile::Windows;
 
 use link::Link;
 

@@ -13,6 +13,7 @@
 use super::EyeTree;
 use super::face::Face;
 use super::walk::{Leaves, WalkSlots};
+use crate::bvh::Windows;
 use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, Vec3, larger, smaller};
 use crate::simd::{Aims, Job, Kernels, Met, Octet, RAYS, Views, step_of};
 
@@ -36,35 +37,13 @@ impl Job for Closest<'_> {
     /// One loop, so that everything is compiled once.
     #[inline(always)]
     fn run<K: Kernels>(self) {
-        let (mut tile, mut order) = (Tile::NEW, [0; TILE]);
-        let (mut block, mut found) = ([Ray::new([0.0; 3], [0.0; 3]); TILE], [None; TILE]);
-        let (count, width) = (self.rays.len(), self.width.unwrap_or(TILE));
-        // What is left of a batch may be a part of a row.
-        let (rows, high) = (count.div_ceil(width), if self.width.is_some() { RAYS } else { 1 });
-        for row in (0..rows).step_by(high) {
-            for column in (0..width).step_by(TILE / high) {
-                let mut len = 0;
-                for y in (row..(row + high).min(rows)).take_while(|_| high > 1) {
-                    let start = y * width;
-                    for i in start + column..(start + (column + RAYS).min(width)).min(count) {
-                        (block[len], order[len]) = (self.rays[i], i);
-                        len += 1;
-                    }
-                }
-                // Where they lie side by side, they stay where they are.
-                let (rays, hits) = if high > 1 {
-                    (&block[..len], &mut found[..len])
-                } else {
-                    let run = row * width..((row + 1) * width).min(count);
-                    (&self.rays[run.clone()], &mut self.hits[run])
-                };
-                if !rays.is_empty() {
-                    closest::<K>(self.tree, rays, hits, &mut tile);
-                }
-                for (hit, &i) in found[..len].iter().zip(&order) {
-                    self.hits[i] = *hit;
-                }
+        let (mut tile, mut windows) = (Tile::NEW, Windows::new(self.rays.len(), self.width));
+        loop {
+            let choice = windows.next();
+            if choice.rays().is_empty() {
+                return;
             }
+            closest::<K>(self.tree, self.rays, choice.rays(), self.hits, &mut tile);
         }
     }
 }
@@ -74,8 +53,8 @@ struct Tile {
     aims: [Aims; OCTETS],
     octets: [Octet; OCTETS],
     views: Views,
-    /// Which of the chunk's rays each is.
-    order: [u8; TILE],
+    /// Which of the batch's rays each is.
+    order: [u32; TILE],
     /// How many there are; the rest of the last octet repeats the last one.
     len: usize,
     low: [f32; 2],
@@ -102,19 +81,16 @@ impl Tile {
     };
 }
 
-/// The hits of up to 64 rays.
+/// The hits of up to 64 of a batch's rays, by their numbers.
 #[inline(always)]
-fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
-    let octets = rays.len().div_ceil(RAYS);
-    for (aims, rays) in tile.aims.iter_mut().zip(rays.chunks(RAYS)) {
-        match rays.first_chunk::<RAYS>() {
-            Some(eight) => K::aim(eight, &tree.eye, aims),
-            None => {
-                let mut eight = [rays[rays.len() - 1]; RAYS];
-                eight[..rays.len()].copy_from_slice(rays);
-                K::aim(&eight, &tree.eye, aims);
-            }
+fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], which: &[u32], hits: &mut [Option<Hit>], tile: &mut Tile) {
+    let octets = which.len().div_ceil(RAYS);
+    for (aims, which) in tile.aims.iter_mut().zip(which.chunks(RAYS)) {
+        let mut eight = [&rays[which[which.len() - 1] as usize]; RAYS];
+        for (ray, &i) in eight.iter_mut().zip(which) {
+            *ray = &rays[i as usize];
         }
+        K::aim(&eight, &tree.eye, aims);
     }
     let side = tile.aims[0].side[0];
     let mut others = 0;
@@ -124,15 +100,13 @@ fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], t
         }
     }
     if others == 0 && side != Aims::STRAY {
-        tile.len = rays.len();
-        for (i, place) in tile.order.iter_mut().enumerate() {
-            *place = i as u8;
-        }
+        tile.len = which.len();
+        tile.order[..which.len()].copy_from_slice(which);
         return one_side::<K>(tree, side, rays, hits, tile);
     }
     let all = tile.aims;
     for side in 0..=Aims::STRAY {
-        gather(&all, rays.len(), side, tile);
+        gather(&all, which, side, tile);
         if tile.len > 0 && side != Aims::STRAY {
             one_side::<K>(tree, side, rays, hits, tile);
         } else {
@@ -142,13 +116,13 @@ fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], t
 }
 
 /// The rays of one side, side by side.
-fn gather(all: &[Aims; OCTETS], len: usize, side: u32, tile: &mut Tile) {
+fn gather(all: &[Aims; OCTETS], which: &[u32], side: u32, tile: &mut Tile) {
     tile.len = 0;
-    for i in 0..len {
+    for (i, &ray) in which.iter().enumerate() {
         let (aims, lane) = (&all[i / RAYS], i % RAYS);
         if aims.side[lane] == side {
             put(tile, tile.len, aims, lane);
-            tile.order[tile.len] = i as u8;
+            tile.order[tile.len] = ray;
             tile.len += 1;
         }
     }
@@ -261,7 +235,7 @@ fn finish<K: Kernels>(
     face: &Face,
     (aims, octet): (&Aims, &Octet),
     eye: &Vec3,
-    order: &[u8],
+    order: &[u32],
     (rays, hits): (&[Ray], &mut [Option<Hit>]),
     met: &mut Met,
 ) {

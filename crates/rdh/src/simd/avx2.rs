@@ -221,7 +221,7 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
-    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+    fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
         avx2_sight::aim(rays, eye, aims);
     }
 

@@ -182,7 +182,7 @@ unsafe fn columns(rows: [*const f32; RAYS]) -> [__m256; 4] {
 
 /// [`sight::aim`].
 #[inline(always)]
-pub(super) fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+pub(super) fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
     const { assert!(size_of::<Ray>() == 9 * size_of::<f32>(), "origin, direction, t_min, t_max, mask") }
     // SAFETY: see above; a ray is nine numbers: origin, direction, the interval and the mask. Four are read from the first, the fourth and
     // the sixth one on.
@@ -255,10 +255,10 @@ fn corner(corners: &[&Corners; RAYS], c: usize) -> [*const f32; RAYS] {
 
 /// Where eight rays' numbers lie, from one on.
 #[inline(always)]
-fn numbers(rays: &[Ray; RAYS], first: usize) -> [*const f32; RAYS] {
+fn numbers(rays: &[&Ray; RAYS], first: usize) -> [*const f32; RAYS] {
     let mut rows = [std::ptr::null(); RAYS];
     for (row, ray) in rows.iter_mut().zip(rays) {
-        *row = std::ptr::from_ref(ray).cast::<f32>().wrapping_add(first);
+        *row = std::ptr::from_ref(*ray).cast::<f32>().wrapping_add(first);
     }
     rows
 }

@@ -160,7 +160,7 @@ impl Kernels for Avx512 {
     }
 
     #[inline(always)]
-    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+    fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
         avx2_sight::aim(rays, eye, aims);
     }
 

@@ -258,7 +258,7 @@ pub(crate) trait Kernels: Copy {
 
     /// Makes eight rays ready that start at the eye, bit for bit; all others are strays.
     #[inline(always)]
-    fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+    fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
         sight::aim(rays, eye, aims);
     }
 

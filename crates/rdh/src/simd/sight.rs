@@ -245,7 +245,7 @@ pub(super) fn shade(sight: &Sight, rays: &Shade) -> Sifted {
 
 /// Makes eight rays ready that start at the eye, bit for bit.
 #[inline(always)]
-pub(super) fn aim(rays: &[Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
+pub(super) fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
     for (i, ray) in rays.iter().enumerate() {
         let frame = RayFrame::new(ray);
         let [dx, dy, dz] = ray.direction;

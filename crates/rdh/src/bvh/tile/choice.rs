@@ -5,7 +5,7 @@ use crate::geom::{PlaneFrame, Ray, RayFrame};
 
 /// At most 64 of a batch's rays, by their numbers.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Choice {
+pub(crate) struct Choice {
     rays: [u32; RAYS],
     count: usize,
 }
@@ -39,7 +39,7 @@ impl Choice {
 
     /// Their numbers.
     #[inline(always)]
-    pub(super) fn rays(&self) -> &[u32] {
+    pub(crate) fn rays(&self) -> &[u32] {
         &self.rays[..self.count.min(RAYS)]
     }
 

@@ -12,8 +12,10 @@ mod packet;
 mod part;
 mod sorted;
 mod walk;
+mod windows;
 
 pub(crate) use part::Part;
+pub(crate) use windows::Windows;
 
 use crate::geom::{Hit, Ray};
 use crate::leaf::{Any, Closest};

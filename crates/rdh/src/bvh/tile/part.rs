@@ -6,7 +6,7 @@ use std::mem;
 use super::coherence::{Extent, are_unordered};
 use super::effort::Patience;
 use super::sorted::{self, makes_neighbours, sorted};
-use super::{Choice, Packed, RAYS, Tile};
+use super::{Choice, Packed, RAYS, Tile, Windows};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
 use crate::bvh::recent::Recent;
@@ -37,7 +37,7 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut tiles = Tiles {
             tile: Tile::<K::Eight>::empty(),
             extent: Extent::of(&self.tree.bounds),
-            windows: Windows { from: 0, column: 0, width: self.width.unwrap_or(0), count: self.rays.len() },
+            windows: Windows::new(self.rays.len(), self.width),
             patience: Patience::default(),
             mixed: None,
         };
@@ -45,7 +45,7 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut done = false;
         while !done {
             let now = turns_pay == Some(false) && tiles.mixed.is_none() && mem::take(&mut sorts);
-            let all = if now { sorted(self.rays, tiles.windows.from) } else { None };
+            let all = if now { sorted(self.rays, tiles.windows.from()) } else { None };
             let which = match &all {
                 Some(all) => &all[..],
                 None => {
@@ -210,39 +210,6 @@ impl<C: Packed> Job for OneByOne<'_, C> {
             let walk = Walk::<_, C, AnyLeaves, 8> { tree, ray: &rays[ray], probe: &mut (), start: () };
             answers[ray] = walk.run::<K>();
         }
-    }
-}
-
-/// What may become tiles, one after the other: squares of rows as long as there are eight of them, then runs.
-struct Windows {
-    from: usize,
-    column: usize,
-    /// 0 if there are no rows.
-    width: usize,
-    count: usize,
-}
-
-impl Windows {
-    /// Whether there are no more rays.
-    fn is_empty(&self) -> bool {
-        self.from >= self.count
-    }
-
-    /// The next rays; none at the end.
-    #[inline(always)]
-    fn next(&mut self) -> Choice {
-        if self.width > 0 && self.count - self.from >= 8 * self.width {
-            let column = self.column;
-            let choice = Choice::square(self.from + column, self.width, (self.width - column).min(8));
-            self.column = column + 8;
-            if self.column >= self.width {
-                (self.column, self.from) = (0, self.from + 8 * self.width);
-            }
-            return choice;
-        }
-        let choice = Choice::run(self.from, self.count - self.from);
-        self.from += choice.rays().len();
-        choice
     }
 }
 

@@ -1,0 +1,46 @@
+//! How a batch is cut into what may become tiles.
+
+use super::Choice;
+
+/// What may become tiles, one after the other: squares of rows as long as there are eight of them, then runs.
+pub(crate) struct Windows {
+    from: usize,
+    column: usize,
+    /// 0 if there are no rows.
+    width: usize,
+    count: usize,
+}
+
+impl Windows {
+    /// Of so many rays, which are rows of `width` of a picture or have no rows.
+    pub(crate) fn new(count: usize, width: Option<usize>) -> Self {
+        Self { from: 0, column: 0, width: width.unwrap_or(0), count }
+    }
+
+    /// The first ray that is left, or that of the row whose rays are handed out.
+    pub(super) fn from(&self) -> usize {
+        self.from
+    }
+
+    /// Whether there are no more rays.
+    pub(super) fn is_empty(&self) -> bool {
+        self.from >= self.count
+    }
+
+    /// The next rays; none at the end.
+    #[inline(always)]
+    pub(crate) fn next(&mut self) -> Choice {
+        if self.width > 0 && self.count - self.from >= 8 * self.width {
+            let column = self.column;
+            let choice = Choice::square(self.from + column, self.width, (self.width - column).min(8));
+            self.column = column + 8;
+            if self.column >= self.width {
+                (self.column, self.from) = (0, self.from + 8 * self.width);
+            }
+            return choice;
+        }
+        let choice = Choice::run(self.from, self.count - self.from);
+        self.from += choice.rays().len();
+        choice
+    }
+}
