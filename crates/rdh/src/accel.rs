@@ -242,6 +242,15 @@ impl Accel {
         }
     }
 
+    /// [`Self::closest_part`], and what it takes in cycles, about, if that can be said.
+    pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Option<u64> {
+        match &self.structure {
+            Structure::Bvh8(tree) => Some(tree.closest_effort(rays, hits)),
+            Structure::Compact8(tree) => Some(tree.closest_effort(rays, hits)),
+            _ => None,
+        }
+    }
+
     /// [`Self::occluded_many`], likewise.
     pub(crate) fn occluded_part(&self, rays: &[Ray], occluded: &mut [bool], width: Option<usize>) {
         match &self.structure {

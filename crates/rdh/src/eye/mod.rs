@@ -21,6 +21,7 @@ mod around;
 mod build;
 mod cell;
 mod check;
+mod effort;
 mod face;
 mod grow;
 mod named;

@@ -1,14 +1,18 @@
-//! A part of a batch, as one thread casts it: runs of rays that are the eye's walk together, all others are the other structure's.
+//! A part of a batch, as one thread casts it: runs of rays that are the eye's walk together where that is cheaper, all others are the
+//! other structure's.
 
 use super::EyeTree;
 use super::spec::EyeForm;
 use super::{shadow, tile};
+use crate::bvh::Windows;
 use crate::geom::{Hit, Ray};
 
 /// Fewer rays of a kind in a row go one by one: others may make something of more.
 const FEWEST: usize = 16;
 /// Rays of which three tell whether they are towards the eye.
 const GROUP: usize = 64;
+/// One window in so many tells what rays cost.
+const ONE_IN: usize = 128;
 
 impl EyeTree {
     /// The nearest hit of each ray; `width` is how many rays a row has, if they are whole rows of a picture.
@@ -20,12 +24,37 @@ impl EyeTree {
             from += run.len();
             if run.len() < FEWEST {
                 run.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray));
-            } else if self.starts_at_eye(&run[0]) {
+            } else if self.starts_at_eye(&run[0]) && !self.is_dearer(run, width) {
                 self.level.run(tile::Closest { tree: self, rays: run, width, hits });
             } else {
                 self.world.closest_part(run, hits, width);
             }
         }
+    }
+
+    /// Whether rays from the eye cost more here than they do together in the other structure, as some of them tell: where triangles are
+    /// smaller than what is between two rays, each is looked at for few of them.
+    fn is_dearer(&self, rays: &[Ray], width: Option<usize>) -> bool {
+        let (mut own, mut others) = (0, 0);
+        let mut windows = Windows::new(rays.len(), width);
+        for nth in 1.. {
+            let choice = windows.next();
+            if choice.rays().is_empty() {
+                break;
+            }
+            if nth % ONE_IN > 0 {
+                continue;
+            }
+            let (mut some, mut hits, len) = ([rays[0]; tile::TILE], [None; tile::TILE], choice.rays().len());
+            some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
+            let (some, hits) = (&some[..len], &mut hits[..len]);
+            own += self.level.run(tile::Closest { tree: self, rays: some, width: None, hits }).cycles();
+            match self.world.closest_effort(some, hits) {
+                Some(effort) => others += effort,
+                None => return false,
+            }
+        }
+        own > others
     }
 
     /// Whether each ray hits anything.
@@ -65,4 +94,50 @@ impl EyeTree {
 
 fn first_group(rays: &[Ray]) -> &[Ray] {
     &rays[..rays.len().min(GROUP)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eye::EyeOptions;
+    use crate::soup::soup;
+    use crate::{BuildOptions, Mesh, Spec, Training, build};
+
+    /// Rays through the pixels of a picture, from a corner of the box [-1, 1]³.
+    fn picture(width: usize) -> Vec<Ray> {
+        let at = |i: usize| (i as f32 + 0.5) / width as f32 - 0.5;
+        (0..width * width).map(|i| Ray::new([-1.0; 3], [1.0, 1.0 + at(i % width), 1.0 + at(i / width)])).collect()
+    }
+
+    /// A wavy sheet that fills the picture, of so many squares each way.
+    fn sheet(squares: u32) -> Mesh {
+        let (side, at) = (squares + 1, |i: u32| 2.0 * i as f32 / squares as f32 - 0.9);
+        let height = |i: u32| 0.02 * (0.7 * i as f32).sin();
+        let positions = (0..side * side).map(|i| [0.8 + height(i), at(i % side), at(i / side)]).collect();
+        let square = |i: u32| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]];
+        let corners = (0..side * side).filter(|i| i % side < squares && i / side < squares);
+        Mesh::new(positions, corners.flat_map(square).collect()).expect("a valid mesh")
+    }
+
+    fn around(mesh: &Mesh) -> EyeTree {
+        let spec = "bvh8+sah".parse::<Spec>().expect("a spec");
+        let world = build(mesh, &spec, &Training::none(), &BuildOptions::default()).expect("it builds");
+        let options = (EyeOptions::default(), BuildOptions::default());
+        EyeTree::build(world, [-1.0; 3], &Training::none(), &options.0, &options.1).expect("it builds")
+    }
+
+    #[test]
+    fn triangles_smaller_than_what_is_between_rays_are_left_to_the_other_structure() {
+        let rays = picture(128);
+        // Of many large triangles most are hidden, and not looked at.
+        for (mesh, is_dearer) in [(sheet(150), true), (soup(3_000, 0.6), false)] {
+            let tree = around(&mesh);
+            assert_eq!(tree.is_dearer(&rays, Some(128)), is_dearer);
+            assert!(!tree.is_dearer(&rays[..100 * GROUP], None), "too few rays to try");
+            let mut hits = vec![None; rays.len()];
+            tree.closest_part(&rays, &mut hits, Some(128));
+            let alone: Vec<Option<Hit>> = rays.iter().map(|ray| tree.world().closest(ray)).collect();
+            assert!(hits == alone && hits.iter().flatten().count() > 1000);
+        }
+    }
 }

@@ -11,6 +11,7 @@
 //! A ray with more of these than there is room for walks alone (`trace.rs`), as do those of tiles that are too wide.
 
 use super::EyeTree;
+use super::effort::Effort;
 use super::face::Face;
 use super::walk::{Leaves, WalkSlots};
 use crate::bvh::Windows;
@@ -32,16 +33,17 @@ pub(super) struct Closest<'a> {
 }
 
 impl Job for Closest<'_> {
-    type Output = ();
+    /// What it took.
+    type Output = Effort;
 
     /// One loop, so that everything is compiled once.
     #[inline(always)]
-    fn run<K: Kernels>(self) {
+    fn run<K: Kernels>(self) -> Effort {
         let (mut tile, mut windows) = (Tile::NEW, Windows::new(self.rays.len(), self.width));
         loop {
             let choice = windows.next();
             if choice.rays().is_empty() {
-                return;
+                return tile.effort;
             }
             closest::<K>(self.tree, self.rays, choice.rays(), self.hits, &mut tile);
         }
@@ -59,6 +61,7 @@ struct Tile {
     len: usize,
     low: [f32; 2],
     high: [f32; 2],
+    effort: Effort,
 }
 
 const NO_AIMS: Aims = Aims {
@@ -78,6 +81,7 @@ impl Tile {
         len: 0,
         low: [0.0; 2],
         high: [0.0; 2],
+        effort: Effort::NONE,
     };
 }
 
@@ -142,7 +146,8 @@ fn put(tile: &mut Tile, i: usize, aims: &Aims, lane: usize) {
 
 /// Rays that walk alone.
 #[inline(never)]
-fn alone(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &Tile) {
+fn alone(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
+    tile.effort.alone(tile.len);
     for &i in &tile.order[..tile.len] {
         hits[i as usize] = tree.closest(&rays[i as usize]);
     }
@@ -156,13 +161,16 @@ fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], hits: &mut [Opt
     if !face.takes(tile.low, tile.high) || !tree.drops_hidden() {
         return alone(tree, rays, hits, tile);
     }
+    tile.effort.rays(tile.len);
     walk::<K>(face, tile);
     let eye = face.side.along(&tree.eye);
     let (aims, octets) = (&tile.aims, &tile.octets);
     let mut met = Met { t: [0.0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS], hits: 0 };
+    let mut left = 0;
     for (i, order) in tile.order[..tile.len].chunks(RAYS).enumerate() {
-        finish::<K>(tree, face, (&aims[i], &octets[i]), &eye, order, (rays, hits), &mut met);
+        left += finish::<K>(tree, face, (&aims[i], &octets[i]), &eye, order, (rays, hits), &mut met);
     }
+    tile.effort.alone(left);
 }
 
 /// The boxes of a tile and its octets.
@@ -211,6 +219,7 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
                 break;
             }
             let mut seen = K::in_view(entry, &tile.views);
+            tile.effort.look(seen.count_ones());
             let mut changed = false;
             while seen != 0 {
                 let i = seen.trailing_zeros() as usize & (OCTETS - 1);
@@ -228,7 +237,7 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
     }
 }
 
-/// The hits of an octet.
+/// The hits of an octet; how many rays had to walk alone.
 #[inline(always)]
 fn finish<K: Kernels>(
     tree: &EyeTree,
@@ -238,12 +247,12 @@ fn finish<K: Kernels>(
     order: &[u32],
     (rays, hits): (&[Ray], &mut [Option<Hit>]),
     met: &mut Met,
-) {
+) -> usize {
     let Some(any) = face.corners.first() else {
         order.iter().for_each(|&i| hits[i as usize] = None);
-        return;
+        return 0;
     };
-    let mut first = First::NONE;
+    let (mut first, mut left) = (First::NONE, 0);
     let rows = if octet.several & !octet.unsure == 0 { 1 } else { Octet::CANDIDATES };
     for best in &octet.best[..rows] {
         let (mut corners, mut ids, mut there) = ([any; RAYS], [0; RAYS], 0);
@@ -264,15 +273,18 @@ fn finish<K: Kernels>(
         // Each is written where it belongs at once: to be put together elsewhere and copied would take a quarter of the time.
         if octet.unsure & bit != 0 {
             *hit = unsure(tree, face, ray);
+            left += 1;
         } else if first.hits & bit != 0 && (first.passed & bit == 0 || aims.t_min[lane] == 0.0) {
             let (t, u, v, tri) = (first.t[lane], first.u[lane], first.v[lane], TriId(first.ids[lane]));
             *hit = Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) });
         } else if first.passed & bit != 0 {
             *hit = beyond(tree, ray);
+            left += 1;
         } else {
             *hit = None;
         }
     }
+    left
 }
 
 /// The nearest hits of eight rays among a few triangles each.

@@ -1,8 +1,10 @@
 //! Whether a tile was worth it, from counts alone, so that it does not depend on the time.
 
+use crate::probe::Counts;
+
 /// What a tile has cost, and what its rays would have cost one by one: in cycles, about, of a CPU with AVX2. Only the ratio matters.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     together: u32,
     apart: u32,
 }
@@ -20,6 +22,10 @@ impl Effort {
     const ALONE: u32 = 165;
     /// What else a ray costs alone.
     const RAY: u32 = 100;
+    /// A ray alone at a node, …
+    const NODE_ALONE: u64 = 25;
+    /// … and at a leaf.
+    const LEAF_ALONE: u64 = 75;
 
     /// A tile of so many rays sets out.
     #[inline(always)]
@@ -45,6 +51,17 @@ impl Effort {
         let (rays, triangles) = (rays.count_ones(), triangles.count_ones());
         self.together = self.together.wrapping_add(Self::SIFT * rays.min(triangles));
         self.apart = self.apart.wrapping_add(Self::ALONE * rays);
+    }
+
+    /// What it has cost.
+    #[inline(always)]
+    pub(super) fn cycles(self) -> u64 {
+        u64::from(self.together)
+    }
+
+    /// What so many rays cost that go alone and do that all together.
+    pub(crate) fn alone(rays: u64, counts: &Counts) -> u64 {
+        u64::from(Self::RAY) * rays + Self::NODE_ALONE * counts.interiors + Self::LEAF_ALONE * counts.leaves
     }
 
     /// Whether it has paid.
