@@ -251,6 +251,15 @@ impl Accel {
         }
     }
 
+    /// [`Self::occluded_part`], likewise.
+    pub(crate) fn occluded_effort(&self, rays: &[Ray], occluded: &mut [bool]) -> Option<u64> {
+        match &self.structure {
+            Structure::Bvh8(tree) => Some(tree.occluded_effort(rays, occluded)),
+            Structure::Compact8(tree) => Some(tree.occluded_effort(rays, occluded)),
+            _ => None,
+        }
+    }
+
     /// [`Self::occluded_many`], likewise.
     pub(crate) fn occluded_part(&self, rays: &[Ray], occluded: &mut [bool], width: Option<usize>) {
         match &self.structure {

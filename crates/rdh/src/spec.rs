@@ -73,9 +73,6 @@ impl Spec {
             StructureSpec::Bvh(bvh) if bvh.when == When::OnDemand && !bvh.can_be_lazy() => {
                 "lazy is for bvh8, alone or with quick or high".to_owned()
             }
-            StructureSpec::Eye(EyeSpec { place: None, form: EyeForm::Towards }) => {
-                "rays don't tell where their light is: light=X,Y,Z".to_owned()
-            }
             StructureSpec::Kd(_) if stages != Stages::default() => {
                 format!("a kd-tree has no stages {}", Stages::NAMES.join(", "))
             }
@@ -176,7 +173,7 @@ fn parse_kd(part: &Part<'_>) -> Result<KdSpec, String> {
                     "kd",
                     key,
                     "leaf=1|8, split=exact|binned, prune=none|area|visits, stop=cost|auto|paper, idle=COST, compact; or alone \
-                     eye, eye=X,Y,Z or light=X,Y,Z",
+                     eye, eye=X,Y,Z, light or light=X,Y,Z",
                 ));
             }
         }
@@ -466,6 +463,7 @@ mod tests {
             ("bvh8(lazy,quick)", "bvh8(quick,lazy)+sah"),
             ("bvh8(lazy)+rdh", "bvh8(lazy)+rdh"),
             ("kd(eye)", "kd(eye)+sah"),
+            ("kd(light)+rdh", "kd(light)+rdh"),
             ("kd(eye=1.50, -2,3e2)+rdh", "kd(eye=1.5,-2,300)+rdh"),
             ("sah+kd(light=-0,.5,1e-7)", "kd(light=-0,0.5,0.0000001)+sah"),
             ("kd+rdh(rays=whole,blend=paper,cap=0)", "kd+rdh(paper)"),
@@ -500,7 +498,7 @@ mod tests {
             "kd(eye=1,2,inf)",
             "kd(eye=1,2,3,leaf=8)",
             "kd(eye,light=1,2,3)",
-            "kd(light)",
+            "bvh8(light)",
             "bvh8(eye)",
             "kd(leaf=8,1)",
             "kd(compact,idle=0.1)",

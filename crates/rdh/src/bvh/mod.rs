@@ -50,7 +50,7 @@ use crate::leaf;
 use crate::mem::{Array, bytes_of};
 use crate::mesh::Mesh;
 use crate::parts::{Part, Parts, Written};
-use crate::probe::{Counts, Probe};
+use crate::probe::Probe;
 use crate::simd::{Boxes, Lanes, Level};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles, or indices to the mesh's. Plain arrays
@@ -221,9 +221,6 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
     }
 }
 
-/// One ray in so many tells what rays cost that go alone.
-const ONE_IN: usize = 16;
-
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<L: Leaves> Bvh<8, L> {
     /// [`Self::closest`] of each ray.
@@ -239,10 +236,13 @@ impl<L: Leaves> Bvh<8, L> {
     /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
     pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
         let cost = self.part::<leaf::Closest>(rays, hits, None);
-        let mut counts = Counts::default();
-        let some = rays.iter().step_by(ONE_IN).take(cost.others);
-        let few = some.map(|ray| self.closest(ray, &mut counts)).count() as u64;
-        cost.cycles + tile::Effort::alone(few, &counts) * cost.others as u64 / few.max(1)
+        cost.with_others(rays, |ray, counts| self.closest(ray, counts))
+    }
+
+    /// [`Self::occluded`] of each ray, likewise.
+    pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
+        let cost = self.part::<leaf::Any>(rays, hits, None);
+        cost.with_others(rays, |ray, counts| self.occluded(ray, counts))
     }
 
     fn part<C: tile::Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> tile::Cost {

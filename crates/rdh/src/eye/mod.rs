@@ -12,7 +12,8 @@
 //! The pictures are those of the six sides of a cube around the eye. What is found is what brute force finds, bit for bit: margins say
 //! where the forms decide, and elsewhere THE triangle test does. Rays that have nothing to do with the eye are answered by another
 //! structure. A tree becomes an [`Accel`] by `into`, and `kd(eye=1,2,3)+sah` is a spec ([`EyeSpec`]): then everything that takes a structure
-//! takes it, and batches are cast on all threads, those of others by what the other structure has for them.
+//! takes it, and batches are cast on all threads, those of others by what the other structure has for them; so are those from the eye where
+//! a sample of them costs less there, as with triangles smaller than what is between two rays.
 //!
 //! Related: Hunt and Mark, *Ray-Specialized Acceleration Structures for Ray Tracing* (2008), which builds grids in perspective space;
 //! Bittner and Havran (SCCG 2009) for counting rays; the footprint is ours.

@@ -5,17 +5,18 @@ use super::spec::{EyeForm, EyeOptions, EyeSpec};
 use crate::accel;
 use crate::bvh::BvhSpec;
 use crate::error::{Error, Result};
-use crate::geom::Vec3;
+use crate::geom::{Ray, Vec3};
 use crate::heuristic::HeuristicSpec;
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
-use crate::rays::Training;
+use crate::rays::{RayClass, Training};
 use crate::spec::{Spec, StructureSpec};
 
 impl EyeSpec {
-    /// The same, with its place: where most of the training rays start, if it was left open.
+    /// The same, with its place, if it was left open: where most of the training rays start, or the shadow rays among them end.
     pub(crate) fn placed(self, rays: &Training) -> Result<Self> {
-        match self.place.or_else(|| common_origin(rays)) {
+        let common = if self.form == EyeForm::Towards { common_end } else { common_origin };
+        match self.place.or_else(|| common(rays)) {
             Some(place) => Ok(Self { place: Some(place), ..self }),
             None => Err(unplaced(self)),
         }
@@ -60,11 +61,51 @@ fn common_origin(rays: &Training) -> Option<Vec3> {
     most.map(|(_, bits)| bits.map(f32::from_bits))
 }
 
+/// So many shadow rays say where a light may be.
+const SEEDS: usize = 64;
+/// Rays end at one point if their ends are not farther apart than this, in units of the largest coordinate.
+const NEAR: f64 = 1e-5;
+
+/// The point at which shadow rays of the largest weight end, and more than one of them: in the middle of what rounding makes of it.
+fn common_end(rays: &Training) -> Option<Vec3> {
+    let shadow = rays.samples().iter().filter(|s| s.class == RayClass::Shadow && s.ray.is_valid());
+    let ends: Vec<([f64; 3], f64)> = shadow.map(|s| (end_of(&s.ray), f64::from(s.weight))).collect();
+    let finite = |end: &[f64; 3]| end.iter().all(|x| x.is_finite());
+    let seeds = ends.iter().step_by(ends.len().div_ceil(SEEDS).max(1)).filter(|(end, _)| finite(end));
+    let groups = seeds.map(|(seed, _)| group(&ends, seed)).filter(|group| group.count > 1);
+    let most = groups.reduce(|most, next| if next.weight > most.weight { next } else { most })?;
+    Some(most.sum.map(|x| (x / most.weight) as f32))
+}
+
+/// Where a ray ends, if it does.
+fn end_of(ray: &Ray) -> [f64; 3] {
+    [0, 1, 2].map(|a| f64::from(ray.origin[a]) + f64::from(ray.t_max) * f64::from(ray.direction[a]))
+}
+
+/// Ends of rays that are one point but for rounding.
+struct Group {
+    count: usize,
+    weight: f64,
+    /// Of the ends, by weight.
+    sum: [f64; 3],
+}
+
+fn group(ends: &[([f64; 3], f64)], seed: &[f64; 3]) -> Group {
+    let near = NEAR * seed.iter().fold(0.0f64, |size, x| size.max(x.abs()));
+    let mut group = Group { count: 0, weight: 0.0, sum: [0.0; 3] };
+    for (end, weight) in ends.iter().filter(|(end, _)| (0..3).all(|a| (end[a] - seed[a]).abs() <= near)) {
+        group.count += 1;
+        group.weight += weight;
+        (0..3).for_each(|a| group.sum[a] += weight * end[a]);
+    }
+    group
+}
+
 fn unplaced(eye: EyeSpec) -> Error {
     let spec = Spec { structure: StructureSpec::Eye(eye), heuristic: HeuristicSpec::Sah };
     let reason = match eye.form {
         EyeForm::From => "no two of the training rays start at one point",
-        EyeForm::Towards => "rays don't tell where their light is: light=X,Y,Z",
+        EyeForm::Towards => "no two of the shadow rays among the training rays end at one point: light=X,Y,Z",
     };
     Error::Spec { spec: spec.to_string(), reason: reason.to_owned() }
 }
@@ -72,8 +113,8 @@ fn unplaced(eye: EyeSpec) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Ray;
-    use crate::rays::{Query, RayClass, RaySample};
+    use crate::rays::{Query, RaySample};
+    use crate::soup::numbers;
 
     fn from(origin: Vec3, weight: u32) -> RaySample {
         let ray = Ray::new(origin, [1.0, 2.0, 3.0]);
@@ -91,5 +132,26 @@ mod tests {
         assert_eq!(found([from([f32::NAN; 3], 9); 2].to_vec()), None);
         // Zeros of other signs are other points.
         assert_eq!(found(vec![from([0.0; 3], 1), from([-0.0; 3], 1)]), None);
+    }
+
+    #[test]
+    fn the_light_is_where_most_shadow_rays_end() {
+        let mut number = numbers(3);
+        let mut to = |light: Vec3, class: RayClass| {
+            let origin = [number(), number(), number()].map(|x| 3.0 * x);
+            let way: [f64; 3] = [0, 1, 2].map(|a| f64::from(light[a]) - f64::from(origin[a]));
+            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let ray = Ray::new(origin, way.map(|x| (x / length) as f32)).within(0.0, length as f32);
+            RaySample::new(ray, None, Query::Occluded, class)
+        };
+        let (lamp, window) = ([1.5, -2.25, 4.0], [-7.0, 1.0, 0.5]);
+        let mut samples: Vec<RaySample> = (0..300).map(|_| to(lamp, RayClass::Shadow)).collect();
+        samples.extend((0..200).map(|_| to(window, RayClass::Shadow)));
+        samples.extend((0..900).map(|_| to(window, RayClass::Ao)));
+        samples.extend([from([0.0; 3], 9), RaySample { class: RayClass::Shadow, ..from([1.0; 3], 9) }]);
+        let end = common_end(&Training::from_samples(samples)).expect("they meet");
+        assert!((0..3).all(|a| (end[a] - lamp[a]).abs() <= 2e-6), "{end:?}");
+        assert_eq!(common_end(&Training::none()), None);
+        assert_eq!(common_end(&Training::from_samples(vec![to(lamp, RayClass::Shadow)])), None);
     }
 }

@@ -24,7 +24,7 @@ impl EyeTree {
             from += run.len();
             if run.len() < FEWEST {
                 run.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray));
-            } else if self.starts_at_eye(&run[0]) && !self.is_dearer(run, width) {
+            } else if self.starts_at_eye(&run[0]) && !is_dearer(run, width, |some| self.closest_efforts(some)) {
                 self.level.run(tile::Closest { tree: self, rays: run, width, hits });
             } else {
                 self.world.closest_part(run, hits, width);
@@ -32,29 +32,20 @@ impl EyeTree {
         }
     }
 
-    /// Whether rays from the eye cost more here than they do together in the other structure, as some of them tell: where triangles are
-    /// smaller than what is between two rays, each is looked at for few of them.
-    fn is_dearer(&self, rays: &[Ray], width: Option<usize>) -> bool {
-        let (mut own, mut others) = (0, 0);
-        let mut windows = Windows::new(rays.len(), width);
-        for nth in 1.. {
-            let choice = windows.next();
-            if choice.rays().is_empty() {
-                break;
-            }
-            if nth % ONE_IN > 0 {
-                continue;
-            }
-            let (mut some, mut hits, len) = ([rays[0]; tile::TILE], [None; tile::TILE], choice.rays().len());
-            some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
-            let (some, hits) = (&some[..len], &mut hits[..len]);
-            own += self.level.run(tile::Closest { tree: self, rays: some, width: None, hits }).cycles();
-            match self.world.closest_effort(some, hits) {
-                Some(effort) => others += effort,
-                None => return false,
-            }
-        }
-        own > others
+    /// What some rays from the eye cost here, and together in the other structure.
+    fn closest_efforts(&self, rays: &[Ray]) -> Option<[u64; 2]> {
+        let mut hits = [None; tile::TILE];
+        let hits = &mut hits[..rays.len()];
+        let own = self.level.run(tile::Closest { tree: self, rays, width: None, hits }).cycles();
+        Some([own, self.world.closest_effort(rays, hits)?])
+    }
+
+    /// The same for rays towards it.
+    fn occluded_efforts(&self, rays: &[Ray]) -> Option<[u64; 2]> {
+        let mut found = [false; tile::TILE];
+        let found = &mut found[..rays.len()];
+        let own = self.level.run(shadow::Occluded { tree: self, rays, found }).cycles();
+        Some([own, self.world.occluded_effort(rays, found)?])
     }
 
     /// Whether each ray hits anything.
@@ -67,7 +58,7 @@ impl EyeTree {
                 to = (to + GROUP).min(rays.len());
             }
             let (run, found) = (&rays[from..to], &mut found[from..to]);
-            if is_for {
+            if is_for && !is_dearer(run, None, |some| self.occluded_efforts(some)) {
                 self.level.run(shadow::Occluded { tree: self, rays: run, found });
             } else {
                 self.world.occluded_part(run, found, width.filter(|_| run.len() == rays.len()));
@@ -90,6 +81,26 @@ impl EyeTree {
             self.starts_at_eye(ray) || self.form == EyeForm::Towards && self.approaching(ray).is_some()
         })
     }
+}
+
+/// Whether rays cost more here than they do in the other structure, as some of them tell whose costs are `efforts`: where triangles are
+/// smaller than what is between two rays, each is looked at for few of them.
+fn is_dearer(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> bool {
+    let mut sums = [0, 0];
+    let mut windows = Windows::new(rays.len(), width);
+    for nth in 1.. {
+        let choice = windows.next();
+        if choice.rays().is_empty() {
+            break;
+        }
+        if nth % ONE_IN == 0 {
+            let mut some = [rays[0]; tile::TILE];
+            some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
+            let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { return false };
+            sums = [sums[0] + own, sums[1] + others];
+        }
+    }
+    sums[0] > sums[1]
 }
 
 fn first_group(rays: &[Ray]) -> &[Ray] {
@@ -132,8 +143,9 @@ mod tests {
         // Of many large triangles most are hidden, and not looked at.
         for (mesh, is_dearer) in [(sheet(150), true), (soup(3_000, 0.6), false)] {
             let tree = around(&mesh);
-            assert_eq!(tree.is_dearer(&rays, Some(128)), is_dearer);
-            assert!(!tree.is_dearer(&rays[..100 * GROUP], None), "too few rays to try");
+            let efforts = |some: &[Ray]| tree.closest_efforts(some);
+            assert_eq!(super::is_dearer(&rays, Some(128), efforts), is_dearer);
+            assert!(!super::is_dearer(&rays[..100 * GROUP], None, efforts), "too few rays to try");
             let mut hits = vec![None; rays.len()];
             tree.closest_part(&rays, &mut hits, Some(128));
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| tree.world().closest(ray)).collect();

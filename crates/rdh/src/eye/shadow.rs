@@ -1,6 +1,7 @@
 //! Many rays towards the eye: as [`super::tile`], but any hit will do, and what is certain needs no test at all.
 
 use super::EyeTree;
+use super::effort::Effort;
 use super::face::Face;
 use super::side::Side;
 use super::towards::Approach;
@@ -21,10 +22,11 @@ pub(super) struct Occluded<'a> {
 }
 
 impl Job for Occluded<'_> {
-    type Output = ();
+    /// What it took.
+    type Output = Effort;
 
     #[inline(always)]
-    fn run<K: Kernels>(self) {
+    fn run<K: Kernels>(self) -> Effort {
         let mut tile = Tile::NEW;
         for (rays, found) in self.rays.chunks(TILE).zip(self.found.chunks_mut(TILE)) {
             let mut wanted = 0u8;
@@ -36,7 +38,10 @@ impl Job for Occluded<'_> {
                         tile.sides[i] = face.side.index() as u8;
                         wanted |= 1 << face.side.index();
                     }
-                    None => found[i] = self.tree.occluded(ray),
+                    None => {
+                        found[i] = self.tree.occluded(ray);
+                        tile.effort.alone(1);
+                    }
                 }
             }
             while wanted != 0 {
@@ -48,6 +53,7 @@ impl Job for Occluded<'_> {
                 }
             }
         }
+        tile.effort
     }
 }
 
@@ -67,6 +73,7 @@ struct Tile {
     /// Rays that have met something between their end and the eye: a bit a lane.
     beyond: [u8; OCTETS],
     done: [u8; OCTETS],
+    effort: Effort,
 }
 
 const DONE: Shade = Shade {
@@ -96,6 +103,7 @@ impl Tile {
         high: [0.0; 2],
         beyond: [0; OCTETS],
         done: [0; OCTETS],
+        effort: Effort::NONE,
     };
 
     /// Takes in the rays of one side.
@@ -138,8 +146,9 @@ fn one_side<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], found: &mut [
         for &i in &tile.order[..tile.len] {
             found[i as usize] = tree.occluded(&rays[i as usize]);
         }
-        return;
+        return tile.effort.alone(tile.len);
     }
+    tile.effort.approach(tile.len);
     let mut slots = WalkSlots::new();
     let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
     let mut least = smallest(&tile.views.least);
@@ -149,11 +158,13 @@ fn one_side<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], found: &mut [
                 break;
             }
             let mut seen = K::in_view(entry, &tile.views);
+            tile.effort.look(seen.count_ones());
             while seen != 0 {
                 let i = seen.trailing_zeros() as usize & (OCTETS - 1);
                 seen &= seen - 1;
                 let sifted = K::shade(&face.sights[entry.sight as usize], &tile.octets[i]);
                 let uncertain = sifted.possible & !sifted.certain;
+                tile.effort.test(uncertain.count_ones());
                 let looked = if uncertain != 0 { look(tree, face, entry, i, uncertain, rays, tile) } else { 0 };
                 let stopped = sifted.certain | looked;
                 if stopped != 0 {
@@ -168,6 +179,7 @@ fn one_side<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], found: &mut [
         let stopped = tile.done[octet] & bit != 0;
         let beyond = tile.beyond[octet] & bit != 0;
         found[i as usize] = stopped || beyond && tree.world.occluded(&rays[i as usize]);
+        tile.effort.alone(usize::from(beyond && !stopped));
     }
 }
 

@@ -12,11 +12,11 @@ pub enum EyeForm {
     Towards,
 }
 
-/// Trees around an eye, as a [`Spec`](crate::Spec) names them: `kd(eye=1,2,3)`, `kd(light=1,2,3)`, `kd(eye)`.
+/// Trees around an eye, as a [`Spec`](crate::Spec) names them: `kd(eye=1,2,3)`, `kd(light=1,2,3)`, `kd(eye)`, `kd(light)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeSpec {
-    /// Where it is. [`None`]: where most of the training rays start, those of a large weight counting more; not for
-    /// [`EyeForm::Towards`].
+    /// Where it is. [`None`]: where most of the training rays start, those of a large weight counting more, or, for
+    /// [`EyeForm::Towards`], where most of their [shadow rays](crate::rays::RayClass::Shadow) end, but for rounding.
     pub place: Option<Vec3>,
     /// What the rays have to do with it.
     pub form: EyeForm,

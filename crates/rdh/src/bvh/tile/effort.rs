@@ -4,7 +4,7 @@ use crate::probe::Counts;
 
 /// What a tile has cost, and what its rays would have cost one by one: in cycles, about, of a CPU with AVX2. Only the ratio matters.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Effort {
+pub(super) struct Effort {
     together: u32,
     apart: u32,
 }
@@ -60,7 +60,7 @@ impl Effort {
     }
 
     /// What so many rays cost that go alone and do that all together.
-    pub(crate) fn alone(rays: u64, counts: &Counts) -> u64 {
+    pub(super) fn alone(rays: u64, counts: &Counts) -> u64 {
         u64::from(Self::RAY) * rays + Self::NODE_ALONE * counts.interiors + Self::LEAF_ALONE * counts.leaves
     }
 

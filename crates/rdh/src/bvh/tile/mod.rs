@@ -14,7 +14,6 @@ mod sorted;
 mod walk;
 mod windows;
 
-pub(crate) use effort::Effort;
 pub(crate) use part::{Cost, Part};
 pub(crate) use windows::Windows;
 
@@ -24,6 +23,7 @@ use crate::simd::{Eight, LANES};
 
 use beam::Beam;
 use choice::Choice;
+use effort::Effort;
 use packet::{Class, Loaded, Packet, Reach};
 
 /// Packets of a tile.

@@ -4,7 +4,7 @@
 use std::mem;
 
 use super::coherence::{Extent, are_unordered};
-use super::effort::Patience;
+use super::effort::{Effort, Patience};
 use super::sorted::{self, makes_neighbours, sorted};
 use super::{Choice, Packed, RAYS, Tile, Windows};
 use crate::bvh::Bvh;
@@ -13,6 +13,7 @@ use crate::bvh::recent::Recent;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
+use crate::probe::Counts;
 use crate::simd::{Eight, Job, Kernels, LANES, prefetch};
 
 /// Rays, and where their answers go: as many.
@@ -33,6 +34,21 @@ pub(crate) struct Cost {
     pub(crate) cycles: u64,
     /// Rays that were cast otherwise.
     pub(crate) others: usize,
+}
+
+/// One ray in so many tells what rays cost that go alone.
+const ONE_IN: usize = 16;
+
+impl Cost {
+    /// All of it, in cycles, with what `cast` counts for some rays.
+    pub(crate) fn with_others<A>(self, rays: &[Ray], cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
+        let (mut counts, mut few) = (Counts::default(), 0);
+        for ray in rays.iter().step_by(ONE_IN).take(self.others) {
+            cast(ray, &mut counts);
+            few += 1;
+        }
+        self.cycles + Effort::alone(few, &counts) * self.others as u64 / few.max(1)
+    }
 }
 
 impl<C: Packed> Job for Part<'_, C> {
