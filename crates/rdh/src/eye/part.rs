@@ -1,6 +1,8 @@
 //! A part of a batch, as one thread casts it: runs of rays that are the eye's walk together where that is cheaper, all others are the
 //! other structure's.
 
+use std::ops::RangeInclusive;
+
 use super::EyeTree;
 use super::spec::EyeForm;
 use super::{shadow, tile};
@@ -11,8 +13,10 @@ use crate::geom::{Hit, Ray};
 const FEWEST: usize = 16;
 /// Rays of which three tell whether they are towards the eye.
 const GROUP: usize = 64;
-/// One window in so many tells what rays cost.
-const ONE_IN: usize = 128;
+/// So many windows of a part tell what its rays cost, …
+const TOLD_BY: usize = 8;
+/// … or one in so many: fewer of a small part, and none of one that is smaller.
+const ONE_IN: RangeInclusive<usize> = 32..=128;
 
 impl EyeTree {
     /// The nearest hit of each ray; `width` is how many rays a row has, if they are whole rows of a picture.
@@ -86,14 +90,14 @@ impl EyeTree {
 /// Whether rays cost more here than they do in the other structure, as some of them tell whose costs are `efforts`: where triangles are
 /// smaller than what is between two rays, each is looked at for few of them.
 fn is_dearer(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> bool {
-    let mut sums = [0, 0];
+    let (mut sums, every) = ([0, 0], (rays.len() / tile::TILE / TOLD_BY).clamp(*ONE_IN.start(), *ONE_IN.end()));
     let mut windows = Windows::new(rays.len(), width);
     for nth in 1.. {
         let choice = windows.next();
         if choice.rays().is_empty() {
             break;
         }
-        if nth % ONE_IN == 0 {
+        if nth % every == 0 {
             let mut some = [rays[0]; tile::TILE];
             some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
             let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { return false };
@@ -145,7 +149,7 @@ mod tests {
             let tree = around(&mesh);
             let efforts = |some: &[Ray]| tree.closest_efforts(some);
             assert_eq!(super::is_dearer(&rays, Some(128), efforts), is_dearer);
-            assert!(!super::is_dearer(&rays[..100 * GROUP], None, efforts), "too few rays to try");
+            assert!(!super::is_dearer(&rays[..31 * GROUP], None, efforts), "too few rays to try");
             let mut hits = vec![None; rays.len()];
             tree.closest_part(&rays, &mut hits, Some(128));
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| tree.world().closest(ray)).collect();
