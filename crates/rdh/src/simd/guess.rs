@@ -55,7 +55,7 @@ pub(crate) fn guessed_next(last: u32, next: u32) -> u32 {
 /// happens there.
 #[inline(always)]
 pub(crate) fn apart<const WAY: u32>() {
-    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[cfg(all(any(target_arch = "x86_64", target_arch = "aarch64"), not(miri)))]
     // SAFETY: a comment does nothing.
     unsafe {
         std::arch::asm!("/* {0} */", const WAY, options(nomem, nostack, preserves_flags));
@@ -63,7 +63,7 @@ pub(crate) fn apart<const WAY: u32>() {
 }
 
 /// One more, wrapping, as the compiler can't see: it would take the number that this is known to be equal to.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
 #[inline(always)]
 fn after(x: u32) -> u32 {
     let more: u32;
@@ -75,7 +75,7 @@ fn after(x: u32) -> u32 {
 }
 
 /// One more, wrapping, as the compiler can't see: it would take the number that this is known to be equal to.
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(miri)))]
 #[inline(always)]
 fn after(x: u32) -> u32 {
     let more: u32;
@@ -86,15 +86,15 @@ fn after(x: u32) -> u32 {
     more
 }
 
-/// Elsewhere the compiler may see it.
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+/// Elsewhere, and under Miri, which knows no assembly, the compiler may see it.
+#[cfg(any(miri, not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
 #[inline(always)]
 fn after(x: u32) -> u32 {
     x.wrapping_add(1)
 }
 
 /// A constant that the compiler can't see through.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(miri)))]
 #[inline(always)]
 fn constant<const MASK: u32>() -> u32 {
     let mask: u32;
@@ -106,7 +106,7 @@ fn constant<const MASK: u32>() -> u32 {
 }
 
 /// A constant that the compiler can't see through.
-#[cfg(target_arch = "aarch64")]
+#[cfg(all(target_arch = "aarch64", not(miri)))]
 #[inline(always)]
 fn constant<const MASK: u32>() -> u32 {
     let mask: u32;
@@ -117,8 +117,8 @@ fn constant<const MASK: u32>() -> u32 {
     mask
 }
 
-/// Elsewhere the mask stays what it is.
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+/// Elsewhere, and under Miri, the mask stays what it is.
+#[cfg(any(miri, not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
 #[inline(always)]
 fn constant<const MASK: u32>() -> u32 {
     MASK
