@@ -10,6 +10,8 @@ use super::{Arguments, Outcome, outcome, says};
 const TARGET: &str = "aarch64-unknown-linux-gnu";
 /// Debian's: a Rust of its own, since ours may lack the target's library.
 const PACKAGES: &str = "qemu-user gcc-aarch64-linux-gnu libc6-dev:arm64 rustc-web cargo-web libstd-rust-web-dev:arm64";
+/// Where its libraries lie if they came with a cross compiler; others the emulator finds by itself.
+const LIBRARIES: &str = "/usr/aarch64-linux-gnu";
 
 pub(super) fn run(_: &Arguments) -> Result<Outcome> {
     if cfg!(target_arch = "aarch64") {
@@ -27,6 +29,9 @@ pub(super) fn run(_: &Arguments) -> Result<Outcome> {
     command.env("RUSTC", rustc).env_remove("RUSTUP_TOOLCHAIN");
     command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER", "aarch64-linux-gnu-gcc");
     command.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER", "qemu-aarch64");
+    if Path::new(LIBRARIES).is_dir() {
+        command.env("QEMU_LD_PREFIX", LIBRARIES);
+    }
     command.args(["test", "--release", "-p", "rdh", "--target", TARGET, "--target-dir"]);
     command.arg(crate::target()?.join("arm"));
     outcome(command.args(["--lib", "--test", "properties", "--test", "builds"]), &["test result: ok."])
