@@ -432,8 +432,11 @@ fn an_eye_that_rays_do_not_tell_is_an_error() {
     assert!(matches!(build("kd(eye)", &Training::none()), Err(Error::NoRays { .. })));
     let apart = (0..50).map(|i| Ray::new([i as f32, 0.0, 0.0], [0.0, 1.0, 0.0]));
     let apart = apart.map(|ray| RaySample::new(ray, None, Query::Closest, RayClass::Bounce)).collect();
-    let error = build("kd(eye)", &Training::from_samples(apart)).expect_err("there is no such point").to_string();
+    let apart = Training::from_samples(apart);
+    let error = build("kd(eye)", &apart).expect_err("there is no such point").to_string();
     assert!(error.contains("no two of the training rays start at one point"), "{error}");
+    let error = build("kd(light)", &apart).expect_err("there is no such point").to_string();
+    assert!(error.contains("no two of the shadow rays"), "{error}");
 }
 
 #[test]

@@ -92,19 +92,16 @@ impl EyeTree {
 fn is_dearer(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> bool {
     let (mut sums, every) = ([0, 0], (rays.len() / tile::TILE / TOLD_BY).clamp(*ONE_IN.start(), *ONE_IN.end()));
     let mut windows = Windows::new(rays.len(), width);
-    for nth in 1.. {
-        let choice = windows.next();
+    loop {
+        let choice = windows.nth(every - 1);
         if choice.rays().is_empty() {
-            break;
+            return sums[0] > sums[1];
         }
-        if nth % every == 0 {
-            let mut some = [rays[0]; tile::TILE];
-            some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
-            let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { return false };
-            sums = [sums[0] + own, sums[1] + others];
-        }
+        let mut some = [rays[0]; tile::TILE];
+        some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
+        let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { return false };
+        sums = [sums[0] + own, sums[1] + others];
     }
-    sums[0] > sums[1]
 }
 
 fn first_group(rays: &[Ray]) -> &[Ray] {

@@ -31,9 +31,9 @@ pub(crate) struct Part<'a, C: Packed> {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Cost {
     /// What tiles took, in cycles of a CPU with AVX2, about.
-    pub(crate) cycles: u64,
+    cycles: u64,
     /// Rays that were cast otherwise.
-    pub(crate) others: usize,
+    others: usize,
 }
 
 /// One ray in so many tells what rays cost that go alone.
@@ -65,9 +65,8 @@ impl<C: Packed> Job for Part<'_, C> {
             windows: Windows::new(self.rays.len(), self.width),
             patience: Patience::default(),
             mixed: None,
-            cycles: 0,
+            cost: Cost::default(),
         };
-        let mut cost = Cost::default();
         let mut others = Others { rays: [0; OTHERS], count: 0 };
         let mut done = false;
         while !done {
@@ -81,11 +80,11 @@ impl<C: Packed> Job for Part<'_, C> {
                 }
             };
             self.cast_others(which, all.is_some(), &mut turns_pay);
-            cost.others += which.len();
+            tiles.cost.others += which.len();
             done = all.is_some() || tiles.mixed.is_none() && tiles.windows.is_empty();
             others.count = 0;
         }
-        Cost { cycles: tiles.cycles, ..cost }
+        tiles.cost
     }
 }
 
@@ -97,8 +96,7 @@ struct Tiles<E> {
     patience: Patience,
     /// What is left of a window whose rays are of more classes than one.
     mixed: Option<Choice>,
-    /// What tiles have cost.
-    cycles: u64,
+    cost: Cost,
 }
 
 /// Rays that make no tile wait here until there are enough of them to take turns.
@@ -137,7 +135,7 @@ impl<C: Packed> Part<'_, C> {
     /// Casts what makes tiles, until there are enough others or no rays are left.
     #[inline(always)]
     fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Eight>, others: &mut Others) {
-        let Tiles { tile, extent, windows, patience, mixed, cycles } = tiles;
+        let Tiles { tile, extent, windows, patience, mixed, cost } = tiles;
         let (has_tiles, masks) = (K::PACKETS && self.tree.scale.factor() == 1.0, self.tree.masks.is_some());
         while others.count <= OTHERS - RAYS {
             let is_class = mixed.is_some();
@@ -159,7 +157,7 @@ impl<C: Packed> Part<'_, C> {
                 tile.walk::<K, C>(self.tree);
                 self.read(tile, which);
                 patience.note(tile.effort.has_paid());
-                *cycles += tile.effort.cycles();
+                cost.cycles += tile.effort.cycles();
             } else if suits && !is_class {
                 *mixed = Some(choice);
             } else {

@@ -1,6 +1,6 @@
 //! How a batch is cut into what may become tiles.
 
-use super::Choice;
+use super::{Choice, RAYS};
 
 /// What may become tiles, one after the other: squares of rows as long as there are eight of them, then runs.
 pub(crate) struct Windows {
@@ -30,17 +30,33 @@ impl Windows {
     /// The next rays; none at the end.
     #[inline(always)]
     pub(crate) fn next(&mut self) -> Choice {
+        match self.advance() {
+            (from, Some(columns)) => Choice::square(from, self.width, columns),
+            (from, None) => Choice::run(from, self.count - from),
+        }
+    }
+
+    /// The rays behind so many windows; none at the end.
+    pub(crate) fn nth(&mut self, skipped: usize) -> Choice {
+        for _ in 0..skipped {
+            self.advance();
+        }
+        self.next()
+    }
+
+    /// Goes on by a window: where that starts, and how many columns it has, if it is a square.
+    #[inline(always)]
+    fn advance(&mut self) -> (usize, Option<usize>) {
         if self.width > 0 && self.count - self.from >= 8 * self.width {
-            let column = self.column;
-            let choice = Choice::square(self.from + column, self.width, (self.width - column).min(8));
-            self.column = column + 8;
+            let (from, columns) = (self.from + self.column, (self.width - self.column).min(8));
+            self.column += 8;
             if self.column >= self.width {
                 (self.column, self.from) = (0, self.from + 8 * self.width);
             }
-            return choice;
+            return (from, Some(columns));
         }
-        let choice = Choice::run(self.from, self.count - self.from);
-        self.from += choice.rays().len();
-        choice
+        let from = self.from;
+        self.from = (from + RAYS).min(self.count);
+        (from, None)
     }
 }
