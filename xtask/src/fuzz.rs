@@ -1,6 +1,7 @@
-//! Runs the fuzz targets of `fuzz/` one after another, and says how far each came.
+//! Runs the fuzz targets of `fuzz/`, some side by side, and says how far each came.
 
 use std::process::{Command, Stdio};
+use std::sync::Mutex;
 
 use anyhow::{Context, Result, bail};
 
@@ -14,6 +15,16 @@ pub(crate) struct Arguments {
     /// Seconds a target.
     #[arg(long, default_value_t = 60)]
     secs: u64,
+    /// How many targets run side by side, on a core each.
+    #[arg(long, default_value_t = 1)]
+    jobs: usize,
+}
+
+/// What one target came to.
+struct Outcome {
+    target: String,
+    runs: u64,
+    is_clean: bool,
 }
 
 /// Whether there is what it takes.
@@ -26,18 +37,48 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if !is_possible() {
         bail!("nightly Rust and cargo-fuzz are needed: rustup toolchain install nightly; cargo install cargo-fuzz");
     }
-    let targets = if arguments.targets.is_empty() { all()? } else { arguments.targets.clone() };
+    build()?;
+    let mut targets = if arguments.targets.is_empty() { all()? } else { arguments.targets.clone() };
+    targets.reverse();
     println!("| target | runs | result |\n|---|---|---|");
-    let (mut clean, mut counts) = (true, Vec::new());
-    for target in targets {
-        let (runs, passed) = fuzz(&target, arguments.secs)?;
-        counts.push(format!("{target} {}", grouped(runs)));
-        println!("| {target} | {runs} | {} |", if passed { "nothing found" } else { "FAILED: see fuzz/artifacts" });
-        clean &= passed;
+    let mut outcomes = side_by_side(Mutex::new(targets), arguments)?;
+    outcomes.sort_by(|a, b| a.target.cmp(&b.target));
+    let is_clean = outcomes.iter().all(|outcome| outcome.is_clean);
+    let counts: Vec<String> = outcomes.iter().map(|o| format!("{} {}", o.target, grouped(o.runs))).collect();
+    let count = format!("{} s each; runs: {}", grouped(arguments.secs), counts.join(", "));
+    keep("fuzz", &count, &if is_clean { Verdict::Fine } else { Verdict::Failed("see fuzz/artifacts") })?;
+    Ok(is_clean)
+}
+
+/// All targets together first, so that those side by side do not wait for each other's compiling.
+fn build() -> Result<()> {
+    let status = Command::new("cargo").args(["+nightly", "fuzz", "build"]).status()?;
+    if !status.success() {
+        bail!("cargo fuzz build failed");
     }
-    let count = format!("{} s each; runs: {}", arguments.secs, counts.join(", "));
-    keep("fuzz", &count, &if clean { Verdict::Fine } else { Verdict::Failed("see fuzz/artifacts") })?;
-    Ok(clean)
+    Ok(())
+}
+
+/// Takes targets from the end of the list until none is left.
+fn side_by_side(targets: Mutex<Vec<String>>, arguments: &Arguments) -> Result<Vec<Outcome>> {
+    let work = || -> Result<Vec<Outcome>> {
+        let mut outcomes = Vec::new();
+        loop {
+            let Some(target) = targets.lock().expect("no thread panics with the list").pop() else {
+                return Ok(outcomes);
+            };
+            let outcome = fuzz(target, arguments.secs)?;
+            let verdict = if outcome.is_clean { "nothing found" } else { "FAILED: see fuzz/artifacts" };
+            println!("| {} | {} | {verdict} |", outcome.target, outcome.runs);
+            outcomes.push(outcome);
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..arguments.jobs.max(1)).map(|_| scope.spawn(work)).collect();
+        let results: Result<Vec<Vec<Outcome>>> =
+            workers.into_iter().map(|worker| worker.join().expect("a worker does not panic")).collect();
+        Ok(results?.into_iter().flatten().collect())
+    })
 }
 
 fn all() -> Result<Vec<String>> {
@@ -48,18 +89,19 @@ fn all() -> Result<Vec<String>> {
     Ok(String::from_utf8(output.stdout)?.lines().map(str::to_owned).collect())
 }
 
-/// How many inputs were tried, and whether none was bad.
-fn fuzz(target: &str, secs: u64) -> Result<(u64, bool)> {
+/// How many inputs were tried, and whether none was bad. An input may take 60 s, by a clock that runs on where the
+/// target waits for its core.
+fn fuzz(target: String, secs: u64) -> Result<Outcome> {
     let time = format!("-max_total_time={secs}");
     let output = Command::new("cargo")
         .args([
             "+nightly",
             "fuzz",
             "run",
-            target,
+            &target,
             "--",
             &time,
-            "-timeout=10",
+            "-timeout=60",
             "-rss_limit_mb=2048",
             "-print_final_stats=1",
         ])
@@ -73,7 +115,7 @@ fn fuzz(target: &str, secs: u64) -> Result<(u64, bool)> {
     if !output.status.success() {
         eprintln!("{log}");
     }
-    Ok((runs, output.status.success()))
+    Ok(Outcome { target, runs, is_clean: output.status.success() })
 }
 
 /// Whether a program is there and content.
