@@ -6,9 +6,9 @@ use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few
 use super::avx2_eight::Wide8;
 use super::avx2_sight;
 use super::portable::Portable;
-use super::reach::reached_by_eight;
+use super::reach::reached_side_by_side;
 use super::{
-    Aims, Block, Boxes, Corners, Eight, Entered, Entry, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted,
+    Aims, Block, Boxes, Corners, Entered, Entry, Floats, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted,
     Sight, Views,
 };
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
@@ -47,6 +47,7 @@ impl Kernels for Avx2 {
     type Sheared = Sheared;
     type BoxRay = WideRay;
     type Eight = Wide8;
+    type Rays = Wide8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {
@@ -329,11 +330,11 @@ impl Sheared {
         }
     }
 
-    /// What [`reached_by_eight`] says.
+    /// What [`reached_side_by_side`] says.
     #[inline(always)]
     fn reached(&self, frame: &Frame, inside: u32, (t_min, t_max): (f32, f32)) -> Sifted {
         let ([u, v, w], [a, b, c]) = (self.w, self.corners);
-        let reached = reached_by_eight(
+        let reached = reached_side_by_side(
             &[Wide8(u), Wide8(v), Wide8(w)],
             (Wide8(self.least), Wide8(self.most)),
             &[wide(a), wide(b), wide(c)],

@@ -4,7 +4,7 @@
 
 use std::arch::x86_64::*;
 
-use super::eight::{Eight, Hits};
+use super::{Eight, Floats, Hits};
 
 /// Eight floats in a register.
 #[derive(Debug, Clone, Copy)]
@@ -27,12 +27,6 @@ macro_rules! operations {
 // SAFETY, for every block below: as in `Avx2`; loads and stores lie within the references they are made from, and are unaligned ones.
 impl Eight for Wide8 {
     #[inline(always)]
-    fn splat(x: f32) -> Self {
-        // SAFETY: see above.
-        Self(unsafe { _mm256_set1_ps(x) })
-    }
-
-    #[inline(always)]
     fn load(lanes: &[f32; 8]) -> Self {
         // SAFETY: see above.
         Self(unsafe { _mm256_loadu_ps(lanes.as_ptr()) })
@@ -43,11 +37,29 @@ impl Eight for Wide8 {
         // SAFETY: a register in memory is eight floats, aligned to more than they need.
         unsafe { &*std::ptr::from_ref(&self.0).cast() }
     }
+}
+
+impl Floats for Wide8 {
+    const COUNT: usize = 8;
+
+    type Eight = Self;
 
     #[inline(always)]
-    fn lanes_mut(&mut self) -> &mut [f32; 8] {
+    fn splat(x: f32) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm256_set1_ps(x) })
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f32 {
+        self.lanes()[lane & 7]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, x: f32) {
         // SAFETY: a register in memory is eight floats, aligned to more than they need; any bits are a value of both.
-        unsafe { &mut *std::ptr::from_mut(&mut self.0).cast() }
+        let lanes: &mut [f32; 8] = unsafe { &mut *std::ptr::from_mut(&mut self.0).cast() };
+        lanes[lane & 7] = x;
     }
 
     operations! {
@@ -88,7 +100,8 @@ impl Eight for Wide8 {
     }
 
     #[inline(always)]
-    fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8] {
+    fn transposed<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        let rows = [row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)];
         // SAFETY: see above; a row has two halves of four.
         unsafe {
             let (low, high) = (halves(&rows, 0), halves(&rows, 4));

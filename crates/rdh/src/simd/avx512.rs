@@ -1,4 +1,4 @@
-//! x86-64 with AVX-512: the lanes of AVX2, compared into mask registers.
+//! x86-64 with AVX-512: the lanes of AVX2, compared into mask registers, and packets of sixteen rays.
 
 use std::arch::x86_64::*;
 
@@ -6,6 +6,7 @@ use super::avx2::{Avx2, Frame, Sheared};
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::avx2_eight::Wide8;
 use super::avx2_sight;
+use super::avx512_sixteen::Wide16;
 use super::{
     Aims, Block, Boxes, Corners, Entered, Entry, Indices, Job, Kernels, Met, Octet, RAYS, Shade, Sifted, Sight, Views,
 };
@@ -34,6 +35,7 @@ impl Kernels for Avx512 {
     type Sheared = Sheared;
     type BoxRay = WideRay;
     type Eight = Wide8;
+    type Rays = Wide16;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {

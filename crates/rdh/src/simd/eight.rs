@@ -1,88 +1,15 @@
-//! Eight floats at once: what packets of rays are computed with, written once for all levels.
+//! Eight floats at once: as many as there are lanes in blocks and nodes.
 
+use super::{Floats, Hits};
 use crate::geom::crossing;
 
-/// Eight floats. Comparisons give lanes of all ones or all zeros; nothing that has to be the same everywhere is fused.
-pub(crate) trait Eight: Copy {
-    /// The same number in all lanes.
-    fn splat(x: f32) -> Self;
-
+/// Eight floats, to and from memory.
+pub(crate) trait Eight: Floats<Eight = Self> {
     /// From an array.
     fn load(lanes: &[f32; 8]) -> Self;
 
     /// The lanes, in memory.
     fn lanes(&self) -> &[f32; 8];
-
-    /// The lanes, in memory.
-    fn lanes_mut(&mut self) -> &mut [f32; 8];
-
-    /// The sum.
-    fn add(self, other: Self) -> Self;
-
-    /// The difference.
-    fn sub(self, other: Self) -> Self;
-
-    /// The product.
-    fn mul(self, other: Self) -> Self;
-
-    /// The quotient.
-    fn div(self, other: Self) -> Self;
-
-    /// `self · factor + term`, rounded once or twice: for boxes alone.
-    fn mul_add(self, factor: Self, term: Self) -> Self;
-
-    /// The smaller one; the other's lane where one is no number.
-    fn min(self, other: Self) -> Self;
-
-    /// The larger one; the other's lane where one is no number.
-    fn max(self, other: Self) -> Self;
-
-    /// Whether it is less; not where one is no number.
-    fn lt(self, other: Self) -> Self;
-
-    /// Whether it is less or equal; not where one is no number.
-    fn le(self, other: Self) -> Self;
-
-    /// Bit by bit.
-    fn and(self, other: Self) -> Self;
-
-    /// Bit by bit.
-    fn or(self, other: Self) -> Self;
-
-    /// Bit by bit.
-    fn xor(self, other: Self) -> Self;
-
-    /// The sign bits: a bit a lane.
-    fn signs(self) -> u32;
-
-    /// All ones in the lanes whose bits are set.
-    fn mask(bits: u32) -> Self;
-
-    /// The lanes of `yes` where the sign bit of `self` is set, else those of `no`.
-    fn select(self, yes: Self, no: Self) -> Self;
-
-    /// Rows as columns.
-    fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8];
-
-    /// THE triangle test from the corners in the rays' frames on, bit for bit as in `crossing`.
-    fn hits(corners: &[[Self; 3]; 3], direction_z: Self, t_min: Self, t_max: Self) -> Hits<Self>;
-}
-
-/// Where eight triangles are hit: meaningless in lanes that are not.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Hits<E> {
-    /// A bit a lane.
-    pub(crate) accepted: u32,
-    pub(crate) t: E,
-    pub(crate) u: E,
-    pub(crate) v: E,
-}
-
-/// Without the sign.
-#[inline(always)]
-pub(crate) fn size<E: Eight>(x: E) -> E {
-    let sign = E::splat(-0.0);
-    x.or(sign).xor(sign)
 }
 
 /// Plain floats.
@@ -109,11 +36,6 @@ impl Plain8 {
 
 impl Eight for Plain8 {
     #[inline(always)]
-    fn splat(x: f32) -> Self {
-        Self([x; 8])
-    }
-
-    #[inline(always)]
     fn load(lanes: &[f32; 8]) -> Self {
         Self(*lanes)
     }
@@ -122,10 +44,26 @@ impl Eight for Plain8 {
     fn lanes(&self) -> &[f32; 8] {
         &self.0
     }
+}
+
+impl Floats for Plain8 {
+    const COUNT: usize = 8;
+
+    type Eight = Self;
 
     #[inline(always)]
-    fn lanes_mut(&mut self) -> &mut [f32; 8] {
-        &mut self.0
+    fn splat(x: f32) -> Self {
+        Self([x; 8])
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f32 {
+        self.0[lane & 7]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, x: f32) {
+        self.0[lane & 7] = x;
     }
 
     #[inline(always)]
@@ -208,10 +146,10 @@ impl Eight for Plain8 {
     }
 
     #[inline(always)]
-    fn transposed(rows: [&[f32; 8]; 8]) -> [Self; 8] {
+    fn transposed<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
         let mut columns = [Self([0.0; 8]); 8];
-        for (i, row) in rows.iter().enumerate() {
-            for (column, &x) in columns.iter_mut().zip(*row) {
+        for i in 0..8 {
+            for (column, &x) in columns.iter_mut().zip(row(i)) {
                 column.0[i] = x;
             }
         }

@@ -19,9 +19,12 @@ mod avx2_eight;
 mod avx2_sight;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod avx512_sixteen;
 mod block;
 mod boxes;
 mod eight;
+mod floats;
 mod four;
 mod guess;
 mod indices;
@@ -33,10 +36,13 @@ mod portable;
 mod prefetch;
 mod reach;
 mod sight;
+#[cfg(test)]
+mod two;
 
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
-pub(crate) use eight::{Eight, Hits, size};
+pub(crate) use eight::Eight;
+pub(crate) use floats::{Floats, Hits, all_lanes, size};
 pub(crate) use four::Four;
 pub(crate) use guess::{apart, guessed_if, guessed_next};
 pub(crate) use indices::Indices;
@@ -44,8 +50,10 @@ pub(crate) use indices::Indices;
 pub(crate) use leaky::LeakyRay;
 pub(crate) use portable::Portable;
 pub(crate) use prefetch::prefetch;
-pub(crate) use reach::reached_by_eight;
+pub(crate) use reach::reached_side_by_side;
 pub(crate) use sight::{Aims, Corners, Entry, Met, Octet, RAYS, Shade, Sight, Views, step_of};
+#[cfg(test)]
+pub(crate) use two::Two;
 
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -215,8 +223,11 @@ pub(crate) trait Kernels: Copy {
     /// Which of the boxes the ray meets: a bit a lane; `t` gets where it enters them. `W` is 2, 4 or 8.
     fn meet<const W: usize>(ray: &Self::BoxRay, boxes: &Boxes<W>, t: &mut Entered<W>) -> u32;
 
-    /// Eight floats: what packets of rays are made of.
+    /// Eight floats: a node's boxes, a block's triangles.
     type Eight: Eight;
+
+    /// Floats of as many rays as go side by side in a packet.
+    type Rays: Floats<Eight = Self::Eight>;
 
     /// Whether packets of rays pay: not where eight floats are a loop.
     const PACKETS: bool = true;
@@ -333,7 +344,7 @@ mod tests {
         let [a, b, c] = &corners;
         let w @ [u, v, last] = [cross(c, b), cross(a, c), cross(b, a)];
         let extremes = (u.min(v).min(last), u.max(v).max(last));
-        reached_by_eight(&w, extremes, &corners, E::splat(direction_z), (E::splat(t_min), E::splat(t_max)))
+        reached_side_by_side(&w, extremes, &corners, E::splat(direction_z), (E::splat(t_min), E::splat(t_max)))
     }
 
     impl Job for Everything<'_> {

@@ -43,6 +43,7 @@ impl Kernels for Neon {
     type Sheared = [Half; 2];
     type BoxRay = WideRay;
     type Eight = Plain8;
+    type Rays = Plain8;
 
     #[inline(always)]
     fn frame(ray: &Ray) -> Frame {

@@ -29,6 +29,7 @@ impl Kernels for Portable {
     type Sheared = Eight;
     type BoxRay = BoxRay;
     type Eight = Plain8;
+    type Rays = Plain8;
     const PACKETS: bool = false;
 
     #[inline(always)]

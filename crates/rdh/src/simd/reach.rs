@@ -7,8 +7,7 @@
 //! ```
 //! `N` takes the sign of `s d_z`. Where something over- or underflows, `E` is infinite or no number, and nothing is said.
 
-use super::eight::size;
-use super::{Eight, LANES, Sifted};
+use super::{Floats, LANES, Sifted, all_lanes, size};
 use crate::geom::Vec3;
 
 /// Twice the largest error of `N` by rounding is less than this part of 2 q m, …
@@ -44,38 +43,38 @@ pub(super) fn reached(
     all
 }
 
-/// The same of eight triangles for one ray, or of one for eight rays, all lanes of them: by the edge functions, the least and the
+/// The same of some triangles for one ray, or of one for some rays, all lanes of them: by the edge functions, the least and the
 /// most of these, and the corners.
 #[inline(always)]
-pub(crate) fn reached_by_eight<E: Eight>(
-    &[u, v, w]: &[E; 3],
-    (least, most): (E, E),
-    [a, b, c]: &[[E; 3]; 3],
-    direction_z: E,
-    (t_min, t_max): (E, E),
+pub(crate) fn reached_side_by_side<F: Floats>(
+    &[u, v, w]: &[F; 3],
+    (least, most): (F, F),
+    [a, b, c]: &[[F; 3]; 3],
+    direction_z: F,
+    (t_min, t_max): (F, F),
 ) -> Sifted {
-    let (zero, underflow) = (E::splat(0.0), E::splat(UNDERFLOW));
+    let (zero, underflow) = (F::splat(0.0), F::splat(UNDERFLOW));
     let along = u.add(v).add(w).mul(direction_z);
     let depth = w.mul_add(c[2], v.mul_add(b[2], u.mul(a[2])));
-    let (depth, along) = (depth.xor(along.and(E::splat(-0.0))), size(along));
+    let (depth, along) = (depth.xor(along.and(F::splat(-0.0))), size(along));
     let farthest = size(a[2]).max(size(b[2])).max(size(c[2]));
     let x = a[0].mul_add(a[0], b[0].mul_add(b[0], c[0].mul(c[0])));
     let y = a[1].mul_add(a[1], b[1].mul_add(b[1], c[1].mul(c[1])));
     // Doubled, so that it overflows before the depth does.
-    let error = x.add(y).mul_add(E::splat(2.0), underflow);
-    let error = error.mul(farthest).mul_add(E::splat(ROUNDING), underflow);
-    let error = along.mul_add(E::splat(LEAST_T), error);
+    let error = x.add(y).mul_add(F::splat(2.0), underflow);
+    let error = error.mul(farthest).mul_add(F::splat(ROUNDING), underflow);
+    let error = along.mul_add(F::splat(LEAST_T), error);
     // All ones are no number.
-    let error = error.or(along.lt(E::splat(f32::MIN_POSITIVE)));
+    let error = error.or(along.lt(F::splat(f32::MIN_POSITIVE)));
     let (low, high) = (depth.sub(error), depth.add(error));
     // A `t` beyond f32's range is no hit.
-    let first = along.mul(t_min.max(E::splat(f32::MIN)));
-    let last = along.mul(t_max.min(E::splat(f32::MAX)));
+    let first = along.mul(t_min.max(F::splat(f32::MIN)));
+    let last = along.mul(t_max.min(F::splat(f32::MAX)));
     let outside = high.lt(first).or(last.lt(low));
     // An edge function that is no number hides in the least and the most, but makes the error none, too.
     let one_sign = zero.lt(least).or(most.lt(zero));
     let within = first.lt(low).and(high.lt(last));
-    Sifted { possible: !outside.signs() & 0xff, certain: one_sign.and(within).signs() }
+    Sifted { possible: !outside.signs() & all_lanes::<F>(), certain: one_sign.and(within).signs() }
 }
 
 impl Sheared {

@@ -4,7 +4,7 @@
 //! Hierarchies, ACM TOG 26(1), 2007, section 3.2. Here it is eight boxes against one beam, not one box.
 
 use super::packet::{Class, Reach};
-use crate::simd::{Boxes, Eight, Entered};
+use crate::simd::{Boxes, Eight, Entered, Floats};
 
 /// Intervals of origins and reciprocal directions, each end in all lanes.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +23,7 @@ pub(super) struct Beam<E> {
 impl<E: Eight> Beam<E> {
     /// Of rays of a class.
     #[inline(always)]
-    pub(super) fn new(reach: &Reach<E>, class: Class) -> Self {
+    pub(super) fn new<R: Floats>(reach: &Reach<R>, class: Class) -> Self {
         let zero = E::splat(0.0);
         let mut beam = Self {
             first: [zero; 3],
@@ -46,12 +46,12 @@ impl<E: Eight> Beam<E> {
     /// Where its last ray ends.
     #[inline(always)]
     pub(super) fn end(&self) -> f32 {
-        self.t_max.lanes()[0]
+        self.t_max.lane(0)
     }
 
     /// Ends it where the last of the rays does.
     #[inline(always)]
-    pub(super) fn end_at(&mut self, ends: E) {
+    pub(super) fn end_at<R: Floats>(&mut self, ends: R) {
         self.t_max = E::splat(highest(&ends));
     }
 
@@ -72,18 +72,20 @@ impl<E: Eight> Beam<E> {
 }
 
 #[inline(always)]
-fn lowest<E: Eight>(x: &E) -> f32 {
+fn lowest<R: Floats>(x: &R) -> f32 {
     let mut lowest = f32::INFINITY;
-    for &lane in x.lanes() {
+    for i in 0..R::COUNT {
+        let lane = x.lane(i);
         lowest = if lane < lowest { lane } else { lowest };
     }
     lowest
 }
 
 #[inline(always)]
-fn highest<E: Eight>(x: &E) -> f32 {
+fn highest<R: Floats>(x: &R) -> f32 {
     let mut highest = f32::NEG_INFINITY;
-    for &lane in x.lanes() {
+    for i in 0..R::COUNT {
+        let lane = x.lane(i);
         highest = if lane > highest { lane } else { highest };
     }
     highest

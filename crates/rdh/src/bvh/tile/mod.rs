@@ -1,4 +1,4 @@
-//! Coherent rays through the tree of eight: tiles of 64, in packets of eight side by side.
+//! Coherent rays through the tree of eight: tiles of 64, in packets of eight or sixteen side by side.
 //!
 //! A tile's rays run in one octant and have one longest axis. The `beam` around them says which children of a node are met at all;
 //! a child's own box is tested against the packets when its turn comes. So most nodes cost a tile little more than they cost a ray.
@@ -19,55 +19,55 @@ pub(crate) use windows::Windows;
 
 use crate::geom::{Hit, Ray};
 use crate::leaf::{Any, Closest};
-use crate::simd::{Eight, LANES};
+use crate::simd::{Floats, all_lanes};
 
 use beam::Beam;
 use choice::Choice;
 use effort::Effort;
 use packet::{Class, Loaded, Packet, Reach};
 
-/// Packets of a tile.
-const PACKETS: usize = 8;
 /// Rays of a tile.
-const RAYS: usize = PACKETS * LANES;
+const RAYS: usize = 64;
+/// Packets of a tile, at most: those of eight rays.
+const PACKETS: usize = RAYS / 8;
 
 /// Rays that go through the tree together.
 #[derive(Debug, Clone, Copy)]
-struct Tile<E> {
-    packets: [Packet<E>; PACKETS],
+struct Tile<R: Floats> {
+    packets: [Packet<R>; PACKETS],
     /// How many packets hold rays.
     count: usize,
     class: Class,
-    beam: Beam<E>,
+    beam: Beam<R::Eight>,
     effort: Effort,
 }
 
 /// A query that tiles can answer.
 pub(crate) trait Packed: crate::leaf::Collector<Start = ()> {
     /// What is known of a ray when the tile is done.
-    fn read<E: Eight>(packet: &Packet<E>, lane: usize) -> Self::Output;
+    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Self::Output;
 }
 
 impl Packed for Closest {
     #[inline(always)]
-    fn read<E: Eight>(packet: &Packet<E>, lane: usize) -> Option<Hit> {
+    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Option<Hit> {
         packet.closest(lane)
     }
 }
 
 impl Packed for Any {
     #[inline(always)]
-    fn read<E: Eight>(packet: &Packet<E>, lane: usize) -> bool {
+    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> bool {
         packet.has_hit(lane)
     }
 }
 
-impl<E: Eight> Tile<E> {
+impl<R: Floats> Tile<R> {
     /// Without rays.
     #[inline(always)]
     fn empty() -> Self {
         let class = Class::new(0, 0);
-        let (packets, beam) = ([Packet::empty(); PACKETS], Beam::new(&Reach::nothing(), class));
+        let (packets, beam) = ([Packet::empty(); PACKETS], Beam::new(&Reach::<R>::nothing(), class));
         Self { packets, count: 0, class, beam, effort: Effort::default() }
     }
 
@@ -76,12 +76,13 @@ impl<E: Eight> Tile<E> {
     fn fill(&mut self, rays: &[Ray], choice: &Choice, magnitude: f32, masks: bool) -> bool {
         let chosen = choice.rays();
         let Some(&last) = chosen.last() else { return false };
-        let count = chosen.len().div_ceil(LANES);
-        let mut loaded = [Loaded::<E>::empty(); PACKETS];
-        let (mut usual, mut all, mut some) = (0xff, [0xff; 5], [0; 5]);
+        let count = chosen.len().div_ceil(R::COUNT);
+        let mut loaded = [Loaded::<R>::empty(); PACKETS];
+        let lanes = all_lanes::<R>();
+        let (mut usual, mut all, mut some) = (lanes, [lanes; 5], [0; 5]);
         for (i, packet) in loaded[..count].iter_mut().enumerate() {
-            let ray = |lane: usize| &rays[chosen.get(LANES * i + lane).copied().unwrap_or(last) as usize];
-            *packet = Loaded::new([ray(0), ray(1), ray(2), ray(3), ray(4), ray(5), ray(6), ray(7)]);
+            let ray = |lane: usize| &rays[chosen.get(R::COUNT * i + lane).copied().unwrap_or(last) as usize];
+            *packet = Loaded::new(ray);
             usual &= packet.usual();
             let ([x, y, z], [main_x, main_y]) = packet.classes();
             for (bits, (all, some)) in [x, y, z, main_x, main_y].into_iter().zip(all.iter_mut().zip(&mut some)) {
@@ -89,7 +90,7 @@ impl<E: Eight> Tile<E> {
                 *some |= bits;
             }
         }
-        if usual != 0xff || (0..5).any(|i| all[i] != 0xff && some[i] != 0) {
+        if usual != lanes || (0..5).any(|i| all[i] != lanes && some[i] != 0) {
             return false;
         }
         let down = (all[0] & 1) | (all[1] & 1) << 1 | (all[2] & 1) << 2;
@@ -105,11 +106,11 @@ impl<E: Eight> Tile<E> {
         self.effort = Effort::of(chosen.len());
         let mut reach = Reach::nothing();
         for (i, packet) in self.packets[..count].iter_mut().enumerate() {
-            let filled = (chosen.len() - LANES * i).min(LANES);
+            let filled = (chosen.len() - R::COUNT * i).min(R::COUNT);
             packet.fill(&loaded[i], (1 << filled) - 1, self.class, magnitude, &mut reach);
             if masks {
-                let chosen = &chosen[LANES * i..];
-                packet.see(std::array::from_fn(|lane| chosen.get(lane).map_or(0, |&ray| rays[ray as usize].mask)));
+                let chosen = &chosen[R::COUNT * i..];
+                packet.see(|lane| chosen.get(lane).map_or(0, |&ray| rays[ray as usize].mask));
             }
         }
         self.beam = Beam::new(&reach, self.class);
@@ -121,24 +122,37 @@ impl<E: Eight> Tile<E> {
 mod tests {
     use super::*;
     use crate::bvh::{Bvh, BvhSpec, Copies};
-    use crate::simd::{Job, Kernels, Level};
+    use crate::simd::{Job, Kernels, Level, Two};
     use crate::{BuildOptions, Mesh};
 
-    /// What a tile finds, if it is one.
+    /// What a tile finds, if it is one: in packets as the level has them, and in those of eight and of sixteen rays.
     struct Alone<'a>(&'a Bvh<8, Copies>, &'a [Ray]);
 
     impl Job for Alone<'_> {
-        type Output = Option<Vec<Option<Hit>>>;
+        type Output = [Option<Vec<Option<Hit>>>; 3];
 
         #[inline(always)]
         fn run<K: Kernels>(self) -> Self::Output {
-            let mut tile = Tile::<K::Eight>::empty();
-            if !tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, false) {
+            [self.find::<K, K::Rays>(), self.find::<K, K::Eight>(), self.find::<K, Two<K::Eight>>()]
+        }
+    }
+
+    impl Alone<'_> {
+        #[inline(always)]
+        fn find<K: Kernels, R: Floats<Eight = K::Eight>>(&self) -> Option<Vec<Option<Hit>>> {
+            let masks = self.0.masks.is_some();
+            let mut tile = Tile::<R>::empty();
+            if !tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, masks) {
                 return None;
             }
             tile.walk::<K, Closest>(&self.0.with_any_leaves());
-            let hits = (0..self.1.len()).map(|i| Closest::read(&tile.packets[i / LANES], i % LANES));
-            Some(hits.collect())
+            let hits: Vec<_> =
+                (0..self.1.len()).map(|i| Closest::read(&tile.packets[i / R::COUNT], i % R::COUNT)).collect();
+            assert!(tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, masks));
+            tile.walk::<K, Any>(&self.0.with_any_leaves());
+            let any = (0..self.1.len()).map(|i| Any::read(&tile.packets[i / R::COUNT], i % R::COUNT));
+            assert!(any.eq(hits.iter().map(Option::is_some)), "any hit is found where the nearest one is");
+            Some(hits)
         }
     }
 
@@ -164,7 +178,8 @@ mod tests {
             let expected: Vec<_> = rays.iter().map(|ray| tree.closest(ray, &mut ())).collect();
             assert!(count < 40 || expected.iter().flatten().count() > 10);
             for level in Level::available() {
-                assert_eq!(level.run(Alone(&tree, &rays)), Some(expected.clone()), "{count}, {}", level.name());
+                let found = level.run(Alone(&tree, &rays));
+                assert_eq!(found, [0; 3].map(|_| Some(expected.clone())), "{count}, {}", level.name());
             }
         }
     }
@@ -179,7 +194,7 @@ mod tests {
         let mut steep = fan(64);
         steep[40].direction = [0.1, 2.0, 1.0];
         for level in Level::available() {
-            let is_tile = |rays: &[Ray]| level.run(Alone(&tree, rays)).is_some();
+            let is_tile = |rays: &[Ray]| level.run(Alone(&tree, rays)).iter().all(Option::is_some);
             let tiles = [&usual, &turned, &long, &empty, &steep].map(|rays| is_tile(rays));
             assert_eq!(tiles, [true, false, false, false, false], "{}", level.name());
         }

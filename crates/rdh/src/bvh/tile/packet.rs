@@ -1,10 +1,10 @@
-//! Eight rays side by side, all in the same octant and with the same longest axis: what boxes and triangles ask of them.
+//! Eight or sixteen rays side by side, all in the same octant and with the same longest axis: what boxes and triangles ask of them.
 //!
 //! Boxes get the constants of single rays, so that what is said of those (docs/watertight.md, section 4) holds lane by lane; triangles
-//! are sifted by the operations of single rays, and what is left goes through THE triangle test, eight at a time.
+//! are sifted by the operations of single rays, and what is left goes through THE triangle test, side by side as well.
 
 use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
-use crate::simd::{Block, Boxes, Eight, Hits, LANES, Sifted, reached_by_eight, size};
+use crate::simd::{Block, Boxes, Eight, Floats, Hits, LANES, Sifted, all_lanes, reached_side_by_side, size};
 
 /// What rays of a tile have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,41 +29,39 @@ impl Class {
     }
 }
 
-/// Origins, directions and intervals of eight rays, axis by axis.
+/// Origins, directions and intervals of a packet's rays, axis by axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Loaded<E> {
-    origin: [E; 3],
-    direction: [E; 3],
-    t_min: E,
-    t_max: E,
+pub(super) struct Loaded<R> {
+    origin: [R; 3],
+    direction: [R; 3],
+    t_min: R,
+    t_max: R,
 }
 
-impl<E: Eight> Loaded<E> {
+impl<R: Floats> Loaded<R> {
     /// No rays.
     #[inline(always)]
     pub(super) fn empty() -> Self {
-        let zero = E::splat(0.0);
+        let zero = R::splat(0.0);
         Self { origin: [zero; 3], direction: [zero; 3], t_min: zero, t_max: zero }
     }
 
-    /// Eight rays.
+    /// Rays, by their lanes.
     #[inline(always)]
-    pub(super) fn new(rays: [&Ray; LANES]) -> Self {
-        let [a, b, c, d, e, f, g, h] = rays;
-        let rows = [numbers(a), numbers(b), numbers(c), numbers(d), numbers(e), numbers(f), numbers(g), numbers(h)];
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = E::transposed(rows);
+    pub(super) fn new<'a>(ray: impl Fn(usize) -> &'a Ray) -> Self {
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = R::transposed(|lane| numbers(ray(lane)));
         Self { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
     }
 
     /// Rays that need no care: valid, neither far away nor of extreme length.
     #[inline(always)]
     pub(super) fn usual(&self) -> u32 {
-        let (far, long) = (E::splat(PlaneFrame::FAR.next_down()), E::splat(PlaneFrame::LONG));
+        let (far, long) = (R::splat(PlaneFrame::FAR.next_down()), R::splat(PlaneFrame::LONG));
         let [ox, oy, oz] = [size(self.origin[0]), size(self.origin[1]), size(self.origin[2])];
         let [dx, dy, dz] = [size(self.direction[0]), size(self.direction[1]), size(self.direction[2])];
         let near = ox.le(far).and(oy.le(far)).and(oz.le(far));
         let short = dx.le(long).and(dy.le(long)).and(dz.le(long));
-        let least = E::splat(PlaneFrame::SHORT);
+        let least = R::splat(PlaneFrame::SHORT);
         let moves = least.le(dx).or(least.le(dy)).or(least.le(dz));
         near.and(short).and(moves).and(self.t_min.le(self.t_max)).signs()
     }
@@ -88,72 +86,72 @@ fn numbers(ray: &Ray) -> &[f32; 8] {
     numbers
 }
 
-/// Eight rays, and what they have hit.
+/// Some rays, and what they have hit.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Packet<E> {
-    pub(super) inverse: [E; 3],
-    enters: [E; 3],
-    leaves: [E; 3],
-    pub(super) t_min: E,
+pub(crate) struct Packet<R> {
+    pub(super) inverse: [R; 3],
+    enters: [R; 3],
+    leaves: [R; 3],
+    pub(super) t_min: R,
     /// Where they end: at their nearest hits. Rays that are done, and lanes without one, end before everything.
-    pub(super) end: E,
-    aim: Aim<E>,
-    u: E,
-    v: E,
+    pub(super) end: R,
+    aim: Aim<R>,
+    u: R,
+    v: R,
     /// Ids of the triangles that were hit, as bits.
-    tri: E,
+    tri: R,
     /// Rays that have hit something, a bit a lane.
     hit: u32,
-    /// Their masks; only known where triangles have some.
-    masks: [u32; LANES],
+    /// Their masks, as bits; only known where triangles have some.
+    masks: R,
 }
 
 /// Rays as triangles see them.
 #[derive(Debug, Clone, Copy)]
-struct Aim<E> {
+struct Aim<R> {
     /// Along the frame's axes.
-    origin: [E; 3],
-    shear: [E; 2],
-    direction_z: E,
-    t_min: E,
-    depths: Limits<E>,
+    origin: [R; 3],
+    shear: [R; 2],
+    direction_z: R,
+    t_min: R,
+    depths: Limits<R>,
 }
 
 /// Limits for the depths of a triangle's corners: with all corners before `nearest` or behind `farthest` there is no hit. For usual
 /// rays alone: a `t` that is rounded to f32's smallest steps moves their depth by less than 2⁻¹⁴⁰.
 #[derive(Debug, Clone, Copy)]
-struct Limits<E> {
-    nearest: E,
-    farthest: E,
+struct Limits<R> {
+    nearest: R,
+    farthest: R,
 }
 
-impl<E: Eight> Limits<E> {
+impl<R: Floats> Limits<R> {
     /// More than all roundings on the way from a limit of `t` to a depth, as a part of it.
     const SLACK: f32 = 1.0 / (1 << 20) as f32;
 
     #[inline(always)]
-    fn new(t_min: E, t_max: E, direction_z: E) -> Self {
-        let a = t_min.max(E::splat(f32::MIN)).mul(direction_z);
-        let b = t_max.min(E::splat(f32::MAX)).mul(direction_z);
+    fn new(t_min: R, t_max: R, direction_z: R) -> Self {
+        let a = t_min.max(R::splat(f32::MIN)).mul(direction_z);
+        let b = t_max.min(R::splat(f32::MAX)).mul(direction_z);
         let (low, high) = (a.min(b), a.max(b));
-        let (slack, least) = (E::splat(Self::SLACK), E::splat(f32::MIN_POSITIVE));
+        let (slack, least) = (R::splat(Self::SLACK), R::splat(f32::MIN_POSITIVE));
         let (low_slack, high_slack) = (size(low).mul(slack).add(least), size(high).mul(slack).add(least));
         Self { nearest: low.sub(low_slack), farthest: high.add(high_slack) }
     }
 
     #[inline(always)]
-    fn spread(&self, lane: usize) -> Self {
-        Self { nearest: spread(&self.nearest, lane), farthest: spread(&self.farthest, lane) }
+    fn spread(&self, lane: usize) -> Limits<R::Eight> {
+        Limits { nearest: spread(&self.nearest, lane), farthest: spread(&self.farthest, lane) }
     }
 }
 
-impl<E: Eight> Aim<E> {
-    /// A lane's, in all of them.
+impl<R: Floats> Aim<R> {
+    /// A lane's, for eight triangles.
     #[inline(always)]
-    fn spread(&self, lane: usize) -> Self {
+    fn spread(&self, lane: usize) -> Aim<R::Eight> {
         let [ox, oy, oz] = &self.origin;
         let [sx, sy] = &self.shear;
-        Self {
+        Aim {
             origin: [spread(ox, lane), spread(oy, lane), spread(oz, lane)],
             shear: [spread(sx, lane), spread(sy, lane)],
             direction_z: spread(&self.direction_z, lane),
@@ -164,12 +162,12 @@ impl<E: Eight> Aim<E> {
 
     /// Corners, along the frame's axes, in the rays' frames: never fused, as in THE triangle test.
     #[inline(always)]
-    fn shear(&self, [a, b, c]: &[[E; 3]; 3]) -> [[E; 3]; 3] {
+    fn shear(&self, [a, b, c]: &[[R; 3]; 3]) -> [[R; 3]; 3] {
         [self.shear_point(a), self.shear_point(b), self.shear_point(c)]
     }
 
     #[inline(always)]
-    fn shear_point(&self, &[x, y, z]: &[E; 3]) -> [E; 3] {
+    fn shear_point(&self, &[x, y, z]: &[R; 3]) -> [R; 3] {
         let z = z.sub(self.origin[2]);
         [x.sub(self.origin[0]).sub(self.shear[0].mul(z)), y.sub(self.origin[1]).sub(self.shear[1].mul(z)), z]
     }
@@ -177,9 +175,9 @@ impl<E: Eight> Aim<E> {
     /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does
     /// (docs/watertight.md, section 7).
     #[inline(always)]
-    fn sift<const CERTAIN: bool>(&self, corners: &[[E; 3]; 3], wanted: u32, t_max: E) -> Sifted {
+    fn sift<const CERTAIN: bool>(&self, corners: &[[R; 3]; 3], wanted: u32, t_max: R) -> Sifted {
         let [a, b, c] = corners;
-        let (zero, depths) = (E::splat(0.0), &self.depths);
+        let (zero, depths) = (R::splat(0.0), &self.depths);
         let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
         let (least, most) = (u.min(v).min(w), u.max(v).max(w));
         let (first, last) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
@@ -191,30 +189,30 @@ impl<E: Eight> Aim<E> {
         }
         // Most of those that are left are triangles that rays have just left: only bounds of `t` tell.
         let interval = (self.t_min, t_max);
-        let reached = reached_by_eight(&[u, v, w], (least, most), corners, self.direction_z, interval);
+        let reached = reached_side_by_side(&[u, v, w], (least, most), corners, self.direction_z, interval);
         Sifted { possible: possible & reached.possible, certain: possible & reached.certain }
     }
 }
 
 #[inline(always)]
-fn cross<E: Eight>(a: &[E; 3], b: &[E; 3]) -> E {
+fn cross<R: Floats>(a: &[R; 3], b: &[R; 3]) -> R {
     a[0].mul(b[1]).sub(a[1].mul(b[0]))
 }
 
-/// A lane in all lanes.
+/// A ray's number, for eight triangles.
 #[inline(always)]
-fn spread<E: Eight>(x: &E, lane: usize) -> E {
-    E::splat(x.lanes()[lane & (LANES - 1)])
+fn spread<R: Floats>(x: &R, lane: usize) -> R::Eight {
+    R::Eight::splat(x.lane(lane))
 }
 
 /// A box, each plane in all lanes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Planes<E> {
-    near: [E; 3],
-    far: [E; 3],
+pub(super) struct Planes<R> {
+    near: [R; 3],
+    far: [R; 3],
 }
 
-impl<E: Eight> Planes<E> {
+impl<R: Floats> Planes<R> {
     /// A box of a node, for rays of a class.
     #[inline(always)]
     pub(super) fn new(boxes: &Boxes<8>, lane: usize, class: Class) -> Self {
@@ -227,52 +225,52 @@ impl<E: Eight> Planes<E> {
 }
 
 #[inline(always)]
-fn plane<E: Eight>(boxes: &Boxes<8>, side: usize, axis: usize, lane: usize) -> E {
-    E::splat(boxes.planes[side & 1][axis][lane & 7])
+fn plane<R: Floats>(boxes: &Boxes<8>, side: usize, axis: usize, lane: usize) -> R {
+    R::splat(boxes.planes[side & 1][axis][lane & 7])
 }
 
 /// What the rays' boxes reach, of one packet or several.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach<E> {
-    pub(super) inverse: [(E, E); 3],
-    pub(super) origin: [(E, E); 3],
-    pub(super) t_min: E,
-    pub(super) t_max: E,
+pub(super) struct Reach<R> {
+    pub(super) inverse: [(R, R); 3],
+    pub(super) origin: [(R, R); 3],
+    pub(super) t_min: R,
+    pub(super) t_max: R,
 }
 
-impl<E: Eight> Reach<E> {
+impl<R: Floats> Reach<R> {
     /// Of no rays.
     #[inline(always)]
     pub(super) fn nothing() -> Self {
-        let (low, high) = (E::splat(f32::NEG_INFINITY), E::splat(f32::INFINITY));
+        let (low, high) = (R::splat(f32::NEG_INFINITY), R::splat(f32::INFINITY));
         let none = (high, low);
         Self { inverse: [none; 3], origin: [none; 3], t_min: high, t_max: low }
     }
 }
 
-impl<E: Eight> Packet<E> {
+impl<R: Floats> Packet<R> {
     /// Nothing but empty lanes.
     #[inline(always)]
     pub(super) fn empty() -> Self {
-        let zero = E::splat(0.0);
+        let zero = R::splat(0.0);
         let depths = Limits { nearest: zero, farthest: zero };
         let aim = Aim { origin: [zero; 3], shear: [zero; 2], direction_z: zero, t_min: zero, depths };
-        let end = E::splat(f32::NEG_INFINITY);
+        let end = R::splat(f32::NEG_INFINITY);
         let three = [zero; 3];
         let (inverse, enters, leaves) = (three, three, three);
-        Self { inverse, enters, leaves, t_min: zero, end, aim, u: zero, v: zero, tri: zero, hit: 0, masks: [0; LANES] }
+        Self { inverse, enters, leaves, t_min: zero, end, aim, u: zero, v: zero, tri: zero, hit: 0, masks: zero }
     }
 
     /// Takes over usual rays of one class; `filled` lanes hold one, the others repeat one. Widens what is reached.
     #[inline(always)]
-    pub(super) fn fill(&mut self, rays: &Loaded<E>, filled: u32, class: Class, magnitude: f32, reach: &mut Reach<E>) {
+    pub(super) fn fill(&mut self, rays: &Loaded<R>, filled: u32, class: Class, magnitude: f32, reach: &mut Reach<R>) {
         let [ox, oy, oz] = rays.origin;
         let size_of_origin = size(ox).max(size(oy)).max(size(oz));
-        let slack = size_of_origin.add(E::splat(magnitude)).mul(E::splat(1.0 / (1 << 21) as f32));
-        let (sign, parallel) = (E::splat(-0.0), E::splat(PlaneFrame::PARALLEL));
+        let slack = size_of_origin.add(R::splat(magnitude)).mul(R::splat(1.0 / (1 << 21) as f32));
+        let (sign, parallel) = (R::splat(-0.0), R::splat(PlaneFrame::PARALLEL));
         for a in 0..3 {
             let (origin, signs) = (rays.origin[a], rays.direction[a].and(sign));
-            let inverse = E::splat(1.0).div(size(rays.direction[a]).max(parallel).or(signs));
+            let inverse = R::splat(1.0).div(size(rays.direction[a]).max(parallel).or(signs));
             let (back, slack) = (origin.xor(sign), slack.or(signs));
             self.inverse[a] = inverse;
             self.enters[a] = back.sub(slack).mul(inverse);
@@ -287,7 +285,7 @@ impl<E: Eight> Packet<E> {
             reach.origin[a].1 = reach.origin[a].1.max(rays.origin[a].add(twice));
         }
         self.t_min = rays.t_min;
-        self.end = E::mask(filled).select(rays.t_max, E::splat(f32::NEG_INFINITY));
+        self.end = R::mask(filled).select(rays.t_max, R::splat(f32::NEG_INFINITY));
         reach.t_min = reach.t_min.min(self.t_min);
         reach.t_max = reach.t_max.max(self.end);
         let [kx, ky, kz] = class.axes;
@@ -303,13 +301,15 @@ impl<E: Eight> Packet<E> {
     }
 
     /// Takes over the rays' masks.
-    pub(super) fn see(&mut self, masks: [u32; LANES]) {
-        self.masks = masks;
+    pub(super) fn see(&mut self, mask: impl Fn(usize) -> u32) {
+        for lane in 0..R::COUNT {
+            self.masks.set_lane(lane, f32::from_bits(mask(lane)));
+        }
     }
 
     /// The rays that meet a box, a bit a lane.
     #[inline(always)]
-    pub(super) fn meet(&self, planes: &Planes<E>) -> u32 {
+    pub(super) fn meet(&self, planes: &Planes<R>) -> u32 {
         let (near, far) = (&planes.near, &planes.far);
         let (inverse, enters, leaves) = (&self.inverse, &self.enters, &self.leaves);
         let (near_x, far_x) = (near[0].mul_add(inverse[0], enters[0]), far[0].mul_add(inverse[0], leaves[0]));
@@ -323,7 +323,7 @@ impl<E: Eight> Packet<E> {
     /// Whether a ray has hit something.
     #[inline(always)]
     pub(super) fn has_hit(&self, lane: usize) -> bool {
-        self.hit >> (lane & 7) & 1 == 1
+        self.hit >> (lane & (R::COUNT - 1)) & 1 == 1
     }
 
     /// What a ray has hit.
@@ -332,9 +332,8 @@ impl<E: Eight> Packet<E> {
         if !self.has_hit(lane) {
             return None;
         }
-        let lane = lane & (LANES - 1);
-        let (t, u, v) = (self.end.lanes()[lane], self.u.lanes()[lane], self.v.lanes()[lane]);
-        let tri = TriId(self.tri.lanes()[lane].to_bits());
+        let (t, u, v) = (self.end.lane(lane), self.u.lane(lane), self.v.lane(lane));
+        let tri = TriId(self.tri.lane(lane).to_bits());
         Some(Hit { t, u, v, tri, geometry: GeomId(0), instance: InstId(0) })
     }
 }
@@ -346,7 +345,7 @@ pub(super) struct Leaf<'a> {
     pub(super) masks: Option<&'a [u32]>,
 }
 
-impl<E: Eight> Packet<E> {
+impl<R: Floats> Packet<R> {
     /// Tests the `rays` against a leaf, all triangles one after the other for all rays, or all rays one after the other for all
     /// triangles. Whether a ray ends earlier.
     #[inline(always)]
@@ -376,7 +375,7 @@ impl<E: Eight> Packet<E> {
             if possible == 0 {
                 continue;
             }
-            let found = E::hits(&corners, self.aim.direction_z, self.t_min, self.end);
+            let found = R::hits(&corners, self.aim.direction_z, self.t_min, self.end);
             let accepted = found.accepted & possible & self.seeing(leaf.masks, id);
             if accepted == 0 {
                 continue;
@@ -399,7 +398,7 @@ impl<E: Eight> Packet<E> {
         let corners = [rows_of(a, axes), rows_of(b, axes), rows_of(c, axes)];
         let mut moved = false;
         while rays != 0 {
-            let lane = rays.trailing_zeros() as usize & (LANES - 1);
+            let lane = rays.trailing_zeros() as usize & (R::COUNT - 1);
             rays &= rays - 1;
             let aim = self.aim.spread(lane);
             let corners = aim.shear(&corners);
@@ -413,7 +412,7 @@ impl<E: Eight> Packet<E> {
             if possible == 0 {
                 continue;
             }
-            let found = E::hits(&corners, aim.direction_z, aim.t_min, end);
+            let found = R::Eight::hits(&corners, aim.direction_z, aim.t_min, end);
             let mut accepted = found.accepted & possible;
             while accepted != 0 {
                 let i = accepted.trailing_zeros() as usize & (LANES - 1);
@@ -427,7 +426,7 @@ impl<E: Eight> Packet<E> {
                     self.stop(1 << lane);
                     break;
                 }
-                moved |= self.take_one(lane, [found.t.lanes()[i], found.u.lanes()[i], found.v.lanes()[i]], id);
+                moved |= self.take_one(lane, [found.t.lane(i), found.u.lane(i), found.v.lane(i)], id);
             }
         }
         moved
@@ -436,38 +435,38 @@ impl<E: Eight> Packet<E> {
     /// The rays that see a triangle.
     #[inline(always)]
     fn seeing(&self, masks: Option<&[u32]>, id: u32) -> u32 {
-        let Some(masks) = masks else { return 0xff };
+        let Some(masks) = masks else { return all_lanes::<R>() };
         let mask = masks[id as usize];
-        (0..LANES).fold(0, |rays, lane| rays | u32::from(self.masks[lane] & mask != 0) << lane)
+        (0..R::COUNT).fold(0, |rays, lane| rays | u32::from(self.masks.lane(lane).to_bits() & mask != 0) << lane)
     }
 
     /// Rays that are done.
     #[inline(always)]
     fn stop(&mut self, rays: u32) {
         self.hit |= rays;
-        self.end = E::mask(rays).select(E::splat(f32::NEG_INFINITY), self.end);
+        self.end = R::mask(rays).select(R::splat(f32::NEG_INFINITY), self.end);
     }
 
     /// Keeps what is nearer than what is known, and what is as near and has a smaller id. Whether a ray ends earlier.
     #[inline(always)]
-    fn take(&mut self, found: &Hits<E>, accepted: u32, id: u32) -> bool {
+    fn take(&mut self, found: &Hits<R>, accepted: u32, id: u32) -> bool {
         let nearer = found.t.lt(self.end).signs();
         let mut wins = accepted & (nearer | !self.hit);
         let mut ties = accepted & !nearer & self.hit;
         while ties != 0 {
             let lane = ties.trailing_zeros();
             ties &= ties - 1;
-            wins |= u32::from(id < self.tri.lanes()[lane as usize & (LANES - 1)].to_bits()) << lane;
+            wins |= u32::from(id < self.tri.lane(lane as usize).to_bits()) << lane;
         }
         if wins == 0 {
             return false;
         }
         self.hit |= wins;
-        let wins = E::mask(wins);
+        let wins = R::mask(wins);
         self.end = wins.select(found.t, self.end);
         self.u = wins.select(found.u, self.u);
         self.v = wins.select(found.v, self.v);
-        self.tri = wins.select(E::splat(f32::from_bits(id)), self.tri);
+        self.tri = wins.select(R::splat(f32::from_bits(id)), self.tri);
         self.aim.depths = Limits::new(self.t_min, self.end, self.aim.direction_z);
         true
     }
@@ -475,16 +474,15 @@ impl<E: Eight> Packet<E> {
     /// [`Self::take`] for one ray.
     #[inline(always)]
     fn take_one(&mut self, lane: usize, [t, u, v]: [f32; 3], id: u32) -> bool {
-        let lane = lane & (LANES - 1);
-        let (end, tri) = (self.end.lanes()[lane], self.tri.lanes()[lane].to_bits());
+        let (end, tri) = (self.end.lane(lane), self.tri.lane(lane).to_bits());
         if self.has_hit(lane) && !(t < end || (t == end && id < tri)) {
             return false;
         }
         self.hit |= 1 << lane;
-        self.end.lanes_mut()[lane] = t;
-        self.u.lanes_mut()[lane] = u;
-        self.v.lanes_mut()[lane] = v;
-        self.tri.lanes_mut()[lane] = f32::from_bits(id);
+        self.end.set_lane(lane, t);
+        self.u.set_lane(lane, u);
+        self.v.set_lane(lane, v);
+        self.tri.set_lane(lane, f32::from_bits(id));
         self.aim.depths = Limits::new(self.t_min, self.end, self.aim.direction_z);
         true
     }
@@ -492,12 +490,12 @@ impl<E: Eight> Packet<E> {
 
 /// A triangle of a block, each coordinate in all lanes, along a frame's axes.
 #[inline(always)]
-fn corners_of<E: Eight>(block: &Block, lane: usize, axes: [usize; 3]) -> [[E; 3]; 3] {
+fn corners_of<R: Floats>(block: &Block, lane: usize, axes: [usize; 3]) -> [[R; 3]; 3] {
     let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = block.corners_along(lane, axes);
     [
-        [E::splat(ax), E::splat(ay), E::splat(az)],
-        [E::splat(bx), E::splat(by), E::splat(bz)],
-        [E::splat(cx), E::splat(cy), E::splat(cz)],
+        [R::splat(ax), R::splat(ay), R::splat(az)],
+        [R::splat(bx), R::splat(by), R::splat(bz)],
+        [R::splat(cx), R::splat(cy), R::splat(cz)],
     ]
 }
 

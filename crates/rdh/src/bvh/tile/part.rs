@@ -14,7 +14,7 @@ use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
 use crate::probe::Counts;
-use crate::simd::{Eight, Job, Kernels, LANES, prefetch};
+use crate::simd::{Floats, Job, Kernels, prefetch};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
@@ -60,7 +60,7 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut sorts = self.sorts();
         let mut turns_pay = if self.tries_turns(sorts) { None } else { Some(false) };
         let mut tiles = Tiles {
-            tile: Tile::<K::Eight>::empty(),
+            tile: Tile::<K::Rays>::empty(),
             extent: Extent::of(&self.tree.bounds),
             windows: Windows::new(self.rays.len(), self.width),
             patience: Patience::default(),
@@ -89,8 +89,8 @@ impl<C: Packed> Job for Part<'_, C> {
 }
 
 /// What becomes of a part, window by window.
-struct Tiles<E> {
-    tile: Tile<E>,
+struct Tiles<R: Floats> {
+    tile: Tile<R>,
     extent: Extent,
     windows: Windows,
     patience: Patience,
@@ -116,7 +116,7 @@ const SAMPLE: usize = 256;
 /// So many rays ahead memory is asked for.
 const SOON: usize = 4;
 /// A tile of fewer rays is not worth it.
-const FEWEST: usize = 2 * LANES;
+const FEWEST: usize = 16;
 
 impl<C: Packed> Part<'_, C> {
     /// Whether rays have no order, and are enough to be given one.
@@ -134,7 +134,7 @@ impl<C: Packed> Part<'_, C> {
 
     /// Casts what makes tiles, until there are enough others or no rays are left.
     #[inline(always)]
-    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Eight>, others: &mut Others) {
+    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Rays>, others: &mut Others) {
         let Tiles { tile, extent, windows, patience, mixed, cost } = tiles;
         let (has_tiles, masks) = (K::PACKETS && self.tree.scale.factor() == 1.0, self.tree.masks.is_some());
         while others.count <= OTHERS - RAYS {
@@ -169,8 +169,8 @@ impl<C: Packed> Part<'_, C> {
 
     /// Writes down what a tile's rays have found.
     #[inline(always)]
-    fn read<E: Eight>(&mut self, tile: &Tile<E>, which: &[u32]) {
-        for (packet, rays) in tile.packets.iter().zip(which.chunks(LANES)) {
+    fn read<R: Floats>(&mut self, tile: &Tile<R>, which: &[u32]) {
+        for (packet, rays) in tile.packets.iter().zip(which.chunks(R::COUNT)) {
             for (lane, &ray) in rays.iter().enumerate() {
                 self.answers[ray as usize] = C::read(packet, lane);
             }

@@ -8,7 +8,7 @@ use crate::bvh::link::Link;
 use crate::bvh::trace::STACK;
 use crate::leaf::Collector;
 use crate::mem::{Slots, Stack};
-use crate::simd::{Eight, Entered, Kernels};
+use crate::simd::{Entered, Floats, Kernels};
 
 /// A child to be visited: where the beam enters its box, and which packets may meet it.
 #[derive(Debug, Clone, Copy)]
@@ -20,10 +20,10 @@ struct Entry {
     last: u8,
 }
 
-impl<E: Eight> Tile<E> {
+impl<R: Floats> Tile<R> {
     /// Leads the tile through the tree.
     #[inline(always)]
-    pub(super) fn walk<K: Kernels<Eight = E>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) {
+    pub(super) fn walk<K: Kernels<Eight = R::Eight>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) {
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
         let mut scratch = bytemuck::Zeroable::zeroed();
@@ -50,7 +50,7 @@ impl<E: Eight> Tile<E> {
 
     /// The same for the packets from the first to the last that meet the box; nothing if there are none.
     #[inline(always)]
-    fn narrow(&self, planes: &Planes<E>, mut entry: Entry) -> Option<Entry> {
+    fn narrow(&self, planes: &Planes<R>, mut entry: Entry) -> Option<Entry> {
         while self.packets[usize::from(entry.first) & (PACKETS - 1)].meet(planes) == 0 {
             if entry.first == entry.last {
                 return None;
@@ -89,7 +89,7 @@ impl<E: Eight> Tile<E> {
 
     /// Tests the rays that meet a leaf's box.
     #[inline(always)]
-    fn test<C: Collector>(&mut self, leaf: &Leaf<'_>, planes: &Planes<E>, entry: Entry) {
+    fn test<C: Collector>(&mut self, leaf: &Leaf<'_>, planes: &Planes<R>, entry: Entry) {
         let mut moved = false;
         self.effort.boxes(u32::from(entry.last - entry.first) + 1);
         for packet in &mut self.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
@@ -104,7 +104,7 @@ impl<E: Eight> Tile<E> {
             }
         }
         if moved {
-            let mut ends = E::splat(f32::NEG_INFINITY);
+            let mut ends = R::splat(f32::NEG_INFINITY);
             for packet in &self.packets[..self.count] {
                 ends = ends.max(packet.end);
             }

@@ -1,0 +1,95 @@
+//! Floats side by side: what packets of rays are computed with, written once for all levels.
+
+use super::Eight;
+
+/// Eight or sixteen floats. Comparisons give lanes of all ones or all zeros; nothing that has to be the same everywhere is fused.
+pub(crate) trait Floats: Copy {
+    /// How many.
+    const COUNT: usize;
+
+    /// Eight of them: what blocks of triangles and nodes have lanes for.
+    type Eight: Eight;
+
+    /// The same number in all lanes.
+    fn splat(x: f32) -> Self;
+
+    /// The number in a lane; of lanes beyond the last one, as if they were counted on from the first.
+    fn lane(&self, lane: usize) -> f32;
+
+    /// Puts a number into a lane.
+    fn set_lane(&mut self, lane: usize, x: f32);
+
+    /// The sum.
+    fn add(self, other: Self) -> Self;
+
+    /// The difference.
+    fn sub(self, other: Self) -> Self;
+
+    /// The product.
+    fn mul(self, other: Self) -> Self;
+
+    /// The quotient.
+    fn div(self, other: Self) -> Self;
+
+    /// `self · factor + term`, rounded once or twice: for boxes alone.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// The smaller one; the other's lane where one is no number.
+    fn min(self, other: Self) -> Self;
+
+    /// The larger one; the other's lane where one is no number.
+    fn max(self, other: Self) -> Self;
+
+    /// Whether it is less; not where one is no number.
+    fn lt(self, other: Self) -> Self;
+
+    /// Whether it is less or equal; not where one is no number.
+    fn le(self, other: Self) -> Self;
+
+    /// Bit by bit.
+    fn and(self, other: Self) -> Self;
+
+    /// Bit by bit.
+    fn or(self, other: Self) -> Self;
+
+    /// Bit by bit.
+    fn xor(self, other: Self) -> Self;
+
+    /// The sign bits: a bit a lane.
+    fn signs(self) -> u32;
+
+    /// All ones in the lanes whose bits are set.
+    fn mask(bits: u32) -> Self;
+
+    /// The lanes of `yes` where the sign bit of `self` is set, else those of `no`.
+    fn select(self, yes: Self, no: Self) -> Self;
+
+    /// Rows as columns; each lane has its row.
+    fn transposed<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8];
+
+    /// THE triangle test from the corners in the rays' frames on, bit for bit as in `crossing`.
+    fn hits(corners: &[[Self; 3]; 3], direction_z: Self, t_min: Self, t_max: Self) -> Hits<Self>;
+}
+
+/// Where triangles are hit: meaningless in lanes that are not.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hits<F> {
+    /// A bit a lane.
+    pub(crate) accepted: u32,
+    pub(crate) t: F,
+    pub(crate) u: F,
+    pub(crate) v: F,
+}
+
+/// All lanes, a bit each.
+#[inline(always)]
+pub(crate) fn all_lanes<F: Floats>() -> u32 {
+    (1 << F::COUNT) - 1
+}
+
+/// Without the sign.
+#[inline(always)]
+pub(crate) fn size<F: Floats>(x: F) -> F {
+    let sign = F::splat(-0.0);
+    x.or(sign).xor(sign)
+}
