@@ -9,7 +9,6 @@ use super::grow::{Grower, Reference, Todo};
 use super::rays::{Place, Places};
 use super::side::Side;
 use super::spec::{EyeForm, EyeOptions};
-use super::towards::Passing;
 use super::viewer::Viewer;
 use crate::accel::Accel;
 use crate::error::{Error, Result};
@@ -17,7 +16,7 @@ use crate::geom::{RayFrame, Vec3};
 use crate::mem::{joined, reserve};
 use crate::options::{BuildOptions, Watch};
 use crate::rays::Training;
-use crate::simd::Sight;
+use crate::simd::{Passing, Sight};
 
 /// The distance between neighbouring rays where nothing is known of them: 1024 across a side.
 const PIXEL: f32 = 2.0 / 1024.0;
@@ -47,12 +46,12 @@ impl EyeTree {
             return Err(Error::NotFinite { vertex: 0, axis, value: eye[axis] });
         }
         let mesh = world.mesh().clone();
-        let passing = Passing::new(&eye, &mesh.bounds());
+        let passing = Passing::new(eye, &mesh.bounds());
         // Where f32 over- or underflows, others know better.
         let usual = passing.is_usual();
-        let sampled = sampled(rays, &eye, &passing, spec.form);
+        let sampled = sampled(rays, &passing, spec.form);
         let watch = Watch::new(options, mesh.len() * Side::COUNT);
-        let viewer = Viewer { mesh: &mesh, eye, form: spec.form, passing: &passing };
+        let viewer = Viewer { mesh: &mesh, form: spec.form, passing: &passing };
         let plan = Plan { viewer, spec, watch: &watch, options };
         let faces = match options.threads {
             _ if !usual => Default::default(),
@@ -60,7 +59,6 @@ impl EyeTree {
             Some(threads) => crate::accel::in_pool(threads, || plan.faces(&sampled))?,
         };
         let tree = Self {
-            eye,
             form: spec.form,
             passing,
             faces,
@@ -77,16 +75,16 @@ impl EyeTree {
 }
 
 /// The places of sampled rays, side by side; of all, if there are any.
-fn sampled(rays: &Training, eye: &Vec3, passing: &Passing, form: EyeForm) -> Option<[Places; Side::COUNT]> {
+fn sampled(rays: &Training, passing: &Passing, form: EyeForm) -> Option<[Places; Side::COUNT]> {
     if rays.is_empty() {
         return None;
     }
     let mut sides: [Places; Side::COUNT] = Default::default();
     for sample in rays.samples().iter().filter(|s| s.ray.is_valid()) {
         let frame = RayFrame::new(&sample.ray);
-        let side = if sample.ray.origin == *eye {
+        let side = if sample.ray.origin == passing.eye {
             Side::of(&frame)
-        } else if form == EyeForm::Towards && passing.approach(eye, &sample.ray, &frame).is_some() {
+        } else if form == EyeForm::Towards && passing.approach(&frame).is_some() {
             Side::of(&frame).opposite()
         } else {
             continue;

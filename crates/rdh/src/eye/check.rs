@@ -76,8 +76,8 @@ impl Check<'_> {
 
     /// The triangles that the side sees in its window, and their boxes.
     fn seen(&self) -> Vec<(Sight, Cell)> {
-        let EyeTree { eye, form, passing, .. } = self.tree;
-        let viewer = Viewer { mesh: self.mesh, eye: *eye, form: *form, passing };
+        let EyeTree { form, passing, .. } = self.tree;
+        let viewer = Viewer { mesh: self.mesh, form: *form, passing };
         let ids = 0..self.mesh.len() as u32;
         ids.filter_map(|id| viewer.look_at(self.face.side, id, &self.face.window)).collect()
     }

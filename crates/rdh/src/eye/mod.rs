@@ -44,19 +44,18 @@ pub use spec::{EyeForm, EyeOptions, EyeSpec};
 
 use face::Face;
 use side::Side;
-use towards::Passing;
 
 use crate::accel::Accel;
 use crate::batch;
 use crate::geom::{Hit, Ray, Vec3};
 use crate::mem::Array;
-use crate::simd::Level;
+use crate::simd::{Level, Passing};
 
 /// Trees around an eye, and a structure for all other rays.
 #[derive(Debug, Clone)]
 pub struct EyeTree {
-    eye: Vec3,
     form: EyeForm,
+    /// The eye, too.
     passing: Passing,
     /// None where no ray was sampled.
     faces: [Option<Face>; Side::COUNT],
@@ -113,7 +112,7 @@ impl EyeTree {
 
     /// The eye.
     pub fn eye(&self) -> Vec3 {
-        self.eye
+        self.passing.eye
     }
 
     /// The structure that answers all other rays.

@@ -45,7 +45,7 @@ impl EyeTree {
     /// What names it.
     pub(crate) fn spec(&self) -> Spec {
         let heuristic = if self.trained_on > 0 { HeuristicSpec::Rdh(Default::default()) } else { HeuristicSpec::Sah };
-        Spec { structure: StructureSpec::Eye(EyeSpec { place: Some(self.eye), form: self.form }), heuristic }
+        Spec { structure: StructureSpec::Eye(EyeSpec { place: Some(self.eye()), form: self.form }), heuristic }
     }
 }
 

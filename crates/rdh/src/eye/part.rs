@@ -74,7 +74,7 @@ impl EyeTree {
     /// Whether a ray starts at the eye, bit for bit: that of −0 and 0 would make zeros of other signs.
     #[inline(always)]
     pub(super) fn starts_at_eye(&self, ray: &Ray) -> bool {
-        ray.origin.map(f32::to_bits) == self.eye.map(f32::to_bits)
+        ray.origin.map(f32::to_bits) == self.eye().map(f32::to_bits)
     }
 
     /// Whether some rays are probably the eye's, by the first, the last and one in between.

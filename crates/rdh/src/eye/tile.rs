@@ -94,7 +94,7 @@ fn closest<K: Kernels>(tree: &EyeTree, rays: &[Ray], which: &[u32], hits: &mut [
         for (ray, &i) in eight.iter_mut().zip(which) {
             *ray = &rays[i as usize];
         }
-        K::aim(&eight, &tree.eye, aims);
+        K::aim(&eight, &tree.eye(), aims);
     }
     let side = tile.aims[0].side[0];
     let mut others = 0;
@@ -163,7 +163,7 @@ fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], hits: &mut [Opt
     }
     tile.effort.rays(tile.len);
     walk::<K>(face, tile);
-    let eye = face.side.along(&tree.eye);
+    let eye = face.side.along(&tree.eye());
     let (aims, octets) = (&tile.aims, &tile.octets);
     let mut met = Met { t: [0.0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS], hits: 0 };
     let mut left = 0;
@@ -195,7 +195,7 @@ fn frame(tile: &mut Tile) {
 
 /// The smallest and the largest of eight numbers.
 #[inline(always)]
-fn ends(x: &[f32; RAYS]) -> (f32, f32) {
+pub(super) fn ends(x: &[f32; RAYS]) -> (f32, f32) {
     // By halves, as vectors do it.
     let (mut low, mut high) = (*x, *x);
     for half in [4, 2, 1] {

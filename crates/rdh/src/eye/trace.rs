@@ -4,10 +4,9 @@ use super::EyeTree;
 use super::face::Face;
 use super::side::Side;
 use super::spec::EyeForm;
-use super::towards::Approach;
 use crate::geom::{Hit, Ray, RayFrame, TriId, hit_triangle};
 use crate::probe::Probe;
-use crate::simd::{Aims, Corners, Sight, step_of};
+use crate::simd::{Aims, Approach, Corners, Sight, step_of};
 
 impl EyeTree {
     /// The nearest hit; of equally near ones that with the smallest id.
@@ -60,7 +59,7 @@ impl EyeTree {
         if !face.window.has(u, v) {
             return None;
         }
-        Some((face, frame, self.passing.approach(&self.eye, ray, &frame)?))
+        Some((face, frame, self.passing.approach(&frame)?))
     }
 
     /// The nearest hit of a ray from the eye.

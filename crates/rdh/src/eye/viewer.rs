@@ -4,15 +4,13 @@ use super::cell::Cell;
 use super::project::{Point, Projected, Tolerance, project};
 use super::side::Side;
 use super::spec::EyeForm;
-use super::towards::Passing;
 use crate::geom::{TriId, Vec3};
 use crate::mesh::Mesh;
-use crate::simd::{Corners, Sight};
+use crate::simd::{Corners, Passing, Sight};
 
 /// A mesh and an eye.
 pub(super) struct Viewer<'a> {
     pub(super) mesh: &'a Mesh,
-    pub(super) eye: Vec3,
     pub(super) form: EyeForm,
     pub(super) passing: &'a Passing,
 }
@@ -47,7 +45,7 @@ impl Viewer<'_> {
 
     /// A corner relative to the eye, with the side in front.
     fn relative(&self, side: Side, corner: &Vec3) -> Point {
-        let (corner, eye) = (side.along(corner), side.along(&self.eye));
+        let (corner, eye) = (side.along(corner), side.along(&self.passing.eye));
         let sign = if side.is_down() { -1.0 } else { 1.0 };
         match self.form {
             // As THE triangle test rounds it.

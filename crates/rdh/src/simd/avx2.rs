@@ -2,14 +2,15 @@
 
 use std::arch::x86_64::*;
 
+use super::avx2_approach;
 use super::avx2_boxes::{WideRay, enter_and_leave, enter_and_leave_few, store_few};
 use super::avx2_eight::Wide8;
 use super::avx2_sight;
 use super::portable::Portable;
 use super::reach::reached_side_by_side;
 use super::{
-    Aims, Block, Boxes, Corners, Entered, Entry, Floats, Indices, Job, Kernels, LANES, Met, Octet, RAYS, Shade, Sifted,
-    Sight, Views,
+    Aims, Block, Boxes, Corners, Entered, Entry, Floats, Indices, Job, Kernels, LANES, Met, Octet, Passing, RAYS,
+    Shade, Sifted, Sight, Views,
 };
 use crate::geom::{Ray, RayFrame, Scale, Vec3};
 
@@ -219,6 +220,11 @@ impl Kernels for Avx2 {
     #[inline(always)]
     fn shade(sight: &Sight, rays: &Shade) -> Sifted {
         avx2_sight::shade(sight, rays)
+    }
+
+    #[inline(always)]
+    fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+        avx2_approach::approach(rays, passing, shade)
     }
 
     #[inline(always)]

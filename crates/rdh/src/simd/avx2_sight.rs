@@ -162,7 +162,7 @@ pub(super) fn shade(sight: &Sight, rays: &Shade) -> Sifted {
 /// # Safety
 /// At each pointer there are four numbers.
 #[inline(always)]
-unsafe fn columns(rows: [*const f32; RAYS]) -> [__m256; 4] {
+pub(super) unsafe fn columns(rows: [*const f32; RAYS]) -> [__m256; 4] {
     // SAFETY: see above.
     unsafe {
         let a = _mm256_loadu2_m128(rows[4], rows[0]);
@@ -231,14 +231,14 @@ pub(super) fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
 
 /// Of x, y and z what belongs to a ray's longest axis.
 #[inline(always)]
-fn pick([is_x, is_y]: [__m256; 2], x: __m256, y: __m256, z: __m256) -> __m256 {
+pub(super) fn pick([is_x, is_y]: [__m256; 2], x: __m256, y: __m256, z: __m256) -> __m256 {
     // SAFETY: see above.
     unsafe { _mm256_blendv_ps(_mm256_blendv_ps(z, y, is_y), x, is_x) }
 }
 
 /// The bits of a number in all lanes.
 #[inline(always)]
-fn number(x: u32) -> __m256 {
+pub(super) fn number(x: u32) -> __m256 {
     // SAFETY: see above.
     unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(x as i32)) }
 }
@@ -255,7 +255,7 @@ fn corner(corners: &[&Corners; RAYS], c: usize) -> [*const f32; RAYS] {
 
 /// Where eight rays' numbers lie, from one on.
 #[inline(always)]
-fn numbers(rays: &[&Ray; RAYS], first: usize) -> [*const f32; RAYS] {
+pub(super) fn numbers(rays: &[&Ray; RAYS], first: usize) -> [*const f32; RAYS] {
     let mut rows = [std::ptr::null(); RAYS];
     for (row, ray) in rows.iter_mut().zip(rays) {
         *row = std::ptr::from_ref(*ray).cast::<f32>().wrapping_add(first);

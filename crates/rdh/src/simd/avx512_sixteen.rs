@@ -96,13 +96,14 @@ impl Floats for Wide16 {
     #[inline(always)]
     fn transposed<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
         let (low, high) = (Wide8::transposed(&row), Wide8::transposed(|i| row(i + 8)));
-        std::array::from_fn(|i| joined(low[i].0, high[i].0))
+        let ([a, b, c, d, e, f, g, h], [i, j, k, l, m, n, o, p]) = (low, high);
+        [joined(a, i), joined(b, j), joined(c, k), joined(d, l), joined(e, m), joined(f, n), joined(g, o), joined(h, p)]
     }
 
     #[inline(always)]
     fn hits(corners: &[[Self; 3]; 3], direction_z: Self, t_min: Self, t_max: Self) -> Hits<Self> {
         let (low, high) = (half(corners, direction_z, false), half(corners, direction_z, true));
-        let [t, u, v] = [0, 1, 2].map(|i| joined(low.numbers[i], high.numbers[i]));
+        let (t, u, v) = (joined(low.t, high.t), joined(low.u, high.u), joined(low.v, high.v));
         // SAFETY: see above.
         unsafe {
             // Adding 0 turns -0 into 0. What is no number, or infinite, is no hit.
@@ -122,14 +123,16 @@ fn signs(x: Wide16) -> __mmask16 {
 }
 
 #[inline(always)]
-fn joined(low: __m256, high: __m256) -> Wide16 {
+fn joined(low: Wide8, high: Wide8) -> Wide16 {
     // SAFETY: as in `Avx512`.
-    Wide16(unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high) })
+    Wide16(unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low.0), high.0) })
 }
 
-/// What the test finds in eight lanes: `t`, `u` and `v`, and in which lanes the signs allow a hit.
+/// What the test finds in eight lanes, and in which of them the signs allow a hit.
 struct Half {
-    numbers: [__m256; 3],
+    t: Wide8,
+    u: Wide8,
+    v: Wide8,
     decided: __mmask8,
 }
 
@@ -155,7 +158,8 @@ fn half(corners: &[[Wide16; 3]; 3], direction_z: Wide16, upper: bool) -> Half {
         let depth = _mm512_add_pd(depth, _mm512_mul_pd(c, cz));
         let t = _mm512_div_pd(depth, _mm512_mul_pd(sum, direction_z));
         let (u, v) = (_mm512_div_pd(b, sum), _mm512_div_pd(c, sum));
-        Half { numbers: [_mm512_cvtpd_ps(t), _mm512_cvtpd_ps(u), _mm512_cvtpd_ps(v)], decided: !nothing }
+        let (t, u, v) = (_mm512_cvtpd_ps(t), _mm512_cvtpd_ps(u), _mm512_cvtpd_ps(v));
+        Half { t: Wide8(t), u: Wide8(u), v: Wide8(v), decided: !nothing }
     }
 }
 

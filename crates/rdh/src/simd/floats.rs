@@ -1,4 +1,6 @@
 //! Floats side by side: what packets of rays are computed with, written once for all levels.
+//!
+//! No implementation calls intrinsics in closures: those lose the instruction set, and each intrinsic becomes a call.
 
 use super::Eight;
 

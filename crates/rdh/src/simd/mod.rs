@@ -7,10 +7,13 @@
 //! which are conservative whichever way they round; no approximate reciprocals.
 #![allow(unsafe_code, reason = "intrinsics need it; each block says why it is sound")]
 
+mod approach;
 #[cfg(any(target_arch = "aarch64", test))]
 mod arm;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx2_approach;
 #[cfg(target_arch = "x86_64")]
 mod avx2_boxes;
 #[cfg(target_arch = "x86_64")]
@@ -39,6 +42,7 @@ mod sight;
 #[cfg(test)]
 mod two;
 
+pub(crate) use approach::{Approach, Passing};
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use eight::Eight;
@@ -265,6 +269,12 @@ pub(crate) trait Kernels: Copy {
     #[inline(always)]
     fn shade(sight: &Sight, rays: &Shade) -> Sifted {
         sight::shade(sight, rays)
+    }
+
+    /// Makes eight rays ready that end at the eye, and tells the side of the eye that each comes from; all others are strays, and done.
+    #[inline(always)]
+    fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+        approach::approach(rays, passing, shade)
     }
 
     /// Makes eight rays ready that start at the eye, bit for bit; all others are strays.

@@ -140,6 +140,26 @@ pub(crate) struct Shade {
     pub(crate) near_surely: [f32; RAYS],
 }
 
+impl Shade {
+    /// Rays that are done.
+    pub(crate) const DONE: Self = Self {
+        u: [0.0; RAYS],
+        v: [0.0; RAYS],
+        far: [f32::INFINITY; RAYS],
+        far_surely: [f32::INFINITY; RAYS],
+        near_surely: [f32::NEG_INFINITY; RAYS],
+    };
+
+    /// Some of them are done, a bit a lane.
+    #[inline(always)]
+    pub(crate) fn finish(&mut self, done: u8) {
+        // Infinite ends are what no triangle is nearer than.
+        for lane in 0..RAYS {
+            self.far[lane] = if done >> lane & 1 == 1 { f32::INFINITY } else { self.far[lane] };
+        }
+    }
+}
+
 /// Eight rays made ready for THE triangle test, and the side of the eye to which each belongs.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
