@@ -6,8 +6,8 @@ use super::face::Face;
 use super::spec::EyeForm;
 use super::tile::ends;
 use super::walk::{Leaves, WalkSlots};
-use crate::geom::{Ray, RayFrame, larger, smaller};
-use crate::simd::{Aims, Entry, Job, Kernels, RAYS, Shade, Views, step_of};
+use crate::geom::{Ray, larger, smaller};
+use crate::simd::{Aims, Eight, Entry, Job, Kernels, RAYS, Shade, Views, sheared, step_of};
 
 /// Octets of a tile.
 const OCTETS: usize = 8;
@@ -36,7 +36,7 @@ impl Job for Occluded<'_> {
                 let side = waiting.trailing_zeros();
                 // Most often all come from one side, and are as they should be.
                 if waiting != 1 << side || tile.count < rays.len() {
-                    tile.select(&all, &sides[..rays.len()], side);
+                    tile.select::<K>(&all, &sides[..rays.len()], side);
                 }
                 waiting &= waiting - 1;
                 one_side::<K>(self.tree, side, rays, found, &mut tile);
@@ -82,22 +82,25 @@ impl Tile {
         self.chosen = [0; OCTETS];
         self.count = rays.len();
         for (i, rays) in rays.chunks(RAYS).enumerate() {
-            let mut eight = [&rays[rays.len() - 1]; RAYS];
-            eight.iter_mut().zip(rays).for_each(|(ray, own)| *ray = own);
+            let mut last = [rays[rays.len() - 1]; RAYS];
+            let eight = rays.first_chunk().unwrap_or_else(|| {
+                last[..rays.len()].copy_from_slice(rays);
+                &last
+            });
             let sides = &mut sides[i * RAYS..][..RAYS];
             if tree.form == EyeForm::Towards {
-                sides.copy_from_slice(&K::approach(&eight, &tree.passing, &mut self.octets[i]));
+                sides.copy_from_slice(&K::approach(eight, &tree.passing, &mut self.octets[i]));
             }
             self.chosen[i] = (0xff >> (RAYS - rays.len())) as u8;
-            self.octets[i].finish(!self.chosen[i]);
+            self.octets[i].finish::<K::Eight>(u32::from(!self.chosen[i]));
             some = sides.iter().fold(some, |some, &side| some | 1 << side);
         }
         (sides, some)
     }
 
     /// Keeps the rays of one side.
-    #[inline(never)]
-    fn select(&mut self, all: &[Shade; OCTETS], sides: &[u32], side: u32) {
+    #[inline(always)]
+    fn select<K: Kernels>(&mut self, all: &[Shade; OCTETS], sides: &[u32], side: u32) {
         (self.chosen, self.count) = ([0; OCTETS], 0);
         for (i, sides) in sides.chunks(RAYS).enumerate() {
             let Some(first) = sides.iter().position(|&own| own == side) else { continue };
@@ -110,7 +113,7 @@ impl Tile {
                     (shade.u[lane], shade.v[lane]) = (shade.u[first], shade.v[first]);
                 }
             }
-            shade.finish(!self.chosen[i]);
+            shade.finish::<K::Eight>(u32::from(!self.chosen[i]));
             self.count += self.chosen[i].count_ones() as usize;
         }
     }
@@ -137,9 +140,9 @@ impl Tile {
 
     /// Some rays of an octet are stopped.
     #[inline(always)]
-    fn stop(&mut self, octet: usize, stopped: u32) {
+    fn stop<K: Kernels>(&mut self, octet: usize, stopped: u32) {
         self.stopped[octet] |= stopped as u8;
-        self.octets[octet].finish(stopped as u8);
+        self.octets[octet].finish::<K::Eight>(stopped);
         self.views.least[octet] = ends(&self.octets[octet].far).0;
     }
 }
@@ -155,13 +158,17 @@ fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], found: &mut [bo
         return alone(tree, rays, found, tile);
     }
     tile.effort.approach(tile.count);
-    walk::<K>(tree, face, rays, tile);
+    walk::<K>(face, rays, tile);
     for (i, found) in found.chunks_mut(RAYS).enumerate() {
         let (chosen, stopped) = (tile.chosen[i], tile.stopped[i]);
-        let open = tile.beyond[i] & !stopped;
-        for (lane, found) in found.iter_mut().enumerate() {
-            *found = if chosen >> lane & 1 == 1 { stopped >> lane & 1 == 1 } else { *found };
+        if chosen == 0xff {
+            for (lane, found) in found.iter_mut().enumerate() {
+                *found = stopped >> lane & 1 == 1;
+            }
+        } else {
+            each(chosen, |lane| found[lane] = stopped >> lane & 1 == 1);
         }
+        let open = tile.beyond[i] & !stopped;
         each(open, |lane| found[lane] = tree.world.occluded(&rays[i * RAYS + lane]));
         tile.effort.alone(open.count_ones() as usize);
     }
@@ -186,7 +193,7 @@ fn each(mut bits: u8, mut f: impl FnMut(usize)) {
 
 /// Compares a tile's rays with all triangles that may stop any of them.
 #[inline(always)]
-fn walk<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], tile: &mut Tile) {
+fn walk<K: Kernels>(face: &Face, rays: &[Ray], tile: &mut Tile) {
     let mut slots = WalkSlots::new();
     let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
     let mut least = ends(&tile.views.least).0;
@@ -202,10 +209,10 @@ fn walk<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], tile: &mut Tile) 
                 seen &= seen - 1;
                 let sifted = K::shade(&face.sights[entry.sight as usize], &tile.octets[i]);
                 let uncertain = sifted.possible & !sifted.certain;
-                let looked = if uncertain != 0 { look(tree, face, entry, i, uncertain, rays, tile) } else { 0 };
+                let looked = if uncertain != 0 { look::<K::Eight>(face, entry, i, uncertain, rays, tile) } else { 0 };
                 let stopped = sifted.certain | looked;
                 if stopped != 0 {
-                    tile.stop(i, stopped);
+                    tile.stop::<K>(i, stopped);
                     least = ends(&tile.views.least).0;
                 }
             }
@@ -214,20 +221,30 @@ fn walk<K: Kernels>(tree: &EyeTree, face: &Face, rays: &[Ray], tile: &mut Tile) 
 }
 
 /// THE triangle test of those of an octet's rays that a triangle may stop; also notes where it lies between their end and the eye.
-#[inline(never)]
-fn look(tree: &EyeTree, face: &Face, entry: &Entry, octet: usize, lanes: u32, rays: &[Ray], tile: &mut Tile) -> u32 {
+#[inline(always)]
+fn look<E: Eight>(face: &Face, entry: &Entry, octet: usize, lanes: u32, rays: &[Ray], tile: &mut Tile) -> u32 {
     tile.effort.test(lanes.count_ones());
-    let (mut stopped, mut left) = (0, lanes);
-    let sight = &face.sights[entry.sight as usize];
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize & (RAYS - 1);
-        left &= left - 1;
-        let (ray, shade) = (&rays[octet * RAYS + lane], &tile.octets[octet]);
-        if tree.stops(face, entry.sight, &RayFrame::new(ray), ray) {
-            stopped |= 1 << lane;
-        } else if sight.span(shade.u[lane], shade.v[lane]).1 >= shade.near_surely[lane] {
-            tile.beyond[octet] |= 1 << lane;
-        }
-    }
+    let (index, last) = (entry.sight as usize, rays.len() - 1);
+    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = E::transposed(|lane| rays[(octet * RAYS + lane).min(last)].numbers());
+    let (origin, direction_z) = match face.side.axes() {
+        [1, 2, 0] => ([oy, oz, ox], dx),
+        [2, 0, 1] => ([oz, ox, oy], dy),
+        _ => ([ox, oy, oz], dz),
+    };
+    let shade = &tile.octets[octet];
+    let shear @ [u, v] = [E::load(&shade.u), E::load(&shade.v)];
+    let [a, b, c] = &face.corners[index];
+    let corners =
+        [sheared(&splat(a), &origin, &shear), sheared(&splat(b), &origin, &shear), sheared(&splat(c), &origin, &shear)];
+    let stopped = E::hits(&corners, direction_z, t_min, t_max).accepted & lanes;
+    let nearest = face.sights[index].nearest(u, v);
+    let beyond = E::load(&shade.near_surely).le(nearest).signs() & lanes & !stopped;
+    tile.beyond[octet] |= beyond as u8;
     stopped
+}
+
+/// A corner, for all rays.
+#[inline(always)]
+fn splat<E: Eight>(&[x, y, z, _]: &[f32; 4]) -> [E; 3] {
+    [E::splat(x), E::splat(y), E::splat(z)]
 }

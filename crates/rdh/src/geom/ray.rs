@@ -52,6 +52,14 @@ impl Ray {
         let moves = dx != 0.0 || dy != 0.0 || dz != 0.0;
         finite && moves && self.t_min <= self.t_max
     }
+
+    /// `[ox, oy, oz, dx, dy, dz, t_min, t_max]`.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> &[f32; 8] {
+        let all: &[f32; 9] = bytemuck::cast_ref(self);
+        let Some(numbers) = all.first_chunk() else { unreachable!() };
+        numbers
+    }
 }
 
 /// `[ox, oy, oz, dx, dy, dz, t_min, t_max]`, the layout of ray files and NumPy batches; sees all masks.

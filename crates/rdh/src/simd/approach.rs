@@ -54,7 +54,7 @@ impl Passing {
 
 /// Makes eight rays ready that end at the eye: as seen from there, in the picture of the side that each comes from.
 #[inline(always)]
-pub(super) fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+pub(super) fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
     *shade = Shade::DONE;
     let mut sides = [Aims::STRAY; RAYS];
     for (i, ray) in rays.iter().enumerate() {

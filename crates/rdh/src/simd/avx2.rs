@@ -223,7 +223,7 @@ impl Kernels for Avx2 {
     }
 
     #[inline(always)]
-    fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+    fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
         avx2_approach::approach(rays, passing, shade)
     }
 

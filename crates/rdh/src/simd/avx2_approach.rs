@@ -22,13 +22,13 @@ struct Along {
 
 /// [`super::approach::approach`].
 #[inline(always)]
-pub(super) fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+pub(super) fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
     const { assert!(size_of::<Ray>() == 9 * size_of::<f32>(), "origin, direction, t_min, t_max, mask") }
     // SAFETY: see above; a ray is nine numbers: origin, direction, the interval and the mask. Four are read from the first and from the
     // fifth one on.
     unsafe {
-        let [ox, oy, oz, dx] = columns(numbers(rays, 0));
-        let [dy, dz, t_min, t_max] = columns(numbers(rays, 4));
+        let [ox, oy, oz, dx] = columns(numbers(&rays.each_ref(), 0));
+        let [dy, dz, t_min, t_max] = columns(numbers(&rays.each_ref(), 4));
         let (ax, ay, az) = (size(dx), size(dy), size(dz));
         let x_over_y = _mm256_cmp_ps::<_CMP_GT_OQ>(ax, ay);
         let is_x = _mm256_and_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ax, az));

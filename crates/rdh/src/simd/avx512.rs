@@ -164,7 +164,7 @@ impl Kernels for Avx512 {
     }
 
     #[inline(always)]
-    fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+    fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
         avx2_approach::approach(rays, passing, shade)
     }
 

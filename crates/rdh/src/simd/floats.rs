@@ -95,3 +95,10 @@ pub(crate) fn size<F: Floats>(x: F) -> F {
     let sign = F::splat(-0.0);
     x.or(sign).xor(sign)
 }
+
+/// A point, along the frames' axes, in rays' frames: never fused, as in THE triangle test.
+#[inline(always)]
+pub(crate) fn sheared<F: Floats>(&[x, y, z]: &[F; 3], origin: &[F; 3], shear: &[F; 2]) -> [F; 3] {
+    let z = z.sub(origin[2]);
+    [x.sub(origin[0]).sub(shear[0].mul(z)), y.sub(origin[1]).sub(shear[1].mul(z)), z]
+}

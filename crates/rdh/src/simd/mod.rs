@@ -46,7 +46,7 @@ pub(crate) use approach::{Approach, Passing};
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use eight::Eight;
-pub(crate) use floats::{Floats, Hits, all_lanes, size};
+pub(crate) use floats::{Floats, Hits, all_lanes, sheared, size};
 pub(crate) use four::Four;
 pub(crate) use guess::{apart, guessed_if, guessed_next};
 pub(crate) use indices::Indices;
@@ -273,7 +273,7 @@ pub(crate) trait Kernels: Copy {
 
     /// Makes eight rays ready that end at the eye, and tells the side of the eye that each comes from; all others are strays, and done.
     #[inline(always)]
-    fn approach(rays: &[&Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
+    fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade) -> [u32; RAYS] {
         approach::approach(rays, passing, shade)
     }
 

@@ -6,7 +6,7 @@
 //!
 //! The functions here are the plain loops that faster levels must agree with.
 
-use super::Sifted;
+use super::{Eight, Sifted};
 use crate::geom::{Ray, RayFrame, TriId, Vec3, hit_triangle};
 
 /// Rays that are compared at once.
@@ -44,6 +44,14 @@ impl Sight {
         let nearness = form(&self.nearness, u, v);
         let slack = nearness * self.slack[0] + self.slack[1];
         (nearness - slack, nearness + slack)
+    }
+
+    /// The largest nearness of a hit, of eight places.
+    #[inline(always)]
+    pub(crate) fn nearest<E: Eight>(&self, u: E, v: E) -> E {
+        let ([a, b, c], [part, rest]) = (self.nearness, self.slack);
+        let nearness = E::splat(a).mul_add(u, E::splat(b).mul_add(v, E::splat(c)));
+        nearness.add(nearness.mul_add(E::splat(part), E::splat(rest)))
     }
 }
 
@@ -152,11 +160,9 @@ impl Shade {
 
     /// Some of them are done, a bit a lane.
     #[inline(always)]
-    pub(crate) fn finish(&mut self, done: u8) {
+    pub(crate) fn finish<E: Eight>(&mut self, done: u32) {
         // Infinite ends are what no triangle is nearer than.
-        for lane in 0..RAYS {
-            self.far[lane] = if done >> lane & 1 == 1 { f32::INFINITY } else { self.far[lane] };
-        }
+        self.far = *E::mask(done).select(E::splat(f32::INFINITY), E::load(&self.far)).lanes();
     }
 }
 

@@ -4,7 +4,7 @@
 //! are sifted by the operations of single rays, and what is left goes through THE triangle test, side by side as well.
 
 use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
-use crate::simd::{Block, Boxes, Eight, Floats, Hits, LANES, Sifted, all_lanes, reached_side_by_side, size};
+use crate::simd::{Block, Boxes, Eight, Floats, Hits, LANES, Sifted, all_lanes, reached_side_by_side, sheared, size};
 
 /// What rays of a tile have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl<R: Floats> Loaded<R> {
     /// Rays, by their lanes.
     #[inline(always)]
     pub(super) fn new<'a>(ray: impl Fn(usize) -> &'a Ray) -> Self {
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = R::transposed(|lane| numbers(ray(lane)));
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = R::transposed(|lane| ray(lane).numbers());
         Self { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
     }
 
@@ -76,14 +76,6 @@ impl<R: Floats> Loaded<R> {
         // As `RayFrame::new` has it.
         (down, [x_over_y & x_over_z, !x_over_y & y_over_z])
     }
-}
-
-/// All numbers of a ray but its mask.
-#[inline(always)]
-fn numbers(ray: &Ray) -> &[f32; 8] {
-    let all: &[f32; 9] = bytemuck::cast_ref(ray);
-    let Some(numbers) = all.first_chunk() else { unreachable!() };
-    numbers
 }
 
 /// Some rays, and what they have hit.
@@ -160,16 +152,11 @@ impl<R: Floats> Aim<R> {
         }
     }
 
-    /// Corners, along the frame's axes, in the rays' frames: never fused, as in THE triangle test.
+    /// Corners, along the frame's axes, in the rays' frames.
     #[inline(always)]
     fn shear(&self, [a, b, c]: &[[R; 3]; 3]) -> [[R; 3]; 3] {
-        [self.shear_point(a), self.shear_point(b), self.shear_point(c)]
-    }
-
-    #[inline(always)]
-    fn shear_point(&self, &[x, y, z]: &[R; 3]) -> [R; 3] {
-        let z = z.sub(self.origin[2]);
-        [x.sub(self.origin[0]).sub(self.shear[0].mul(z)), y.sub(self.origin[1]).sub(self.shear[1].mul(z)), z]
+        let (origin, shear) = (&self.origin, &self.shear);
+        [sheared(a, origin, shear), sheared(b, origin, shear), sheared(c, origin, shear)]
     }
 
     /// Which of the `wanted` lanes THE triangle test might accept, and, if it matters (`CERTAIN`), which it surely does
