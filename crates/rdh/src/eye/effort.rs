@@ -7,14 +7,14 @@ pub(super) struct Effort(u64);
 impl Effort {
     /// To make a ray ready, to find its leaves, and to test what it hits.
     const RAY: u64 = 90;
-    /// What else a ray takes that ends at the eye: it is made ready in f64, one by one.
-    const APPROACH: u64 = 100;
+    /// To make one ready that ends at the eye, to find its leaves, and to tell its answer.
+    const APPROACH: u64 = 40;
     /// To look at a triangle of a leaf.
     const ENTRY: u64 = 34;
     /// To compare one with eight rays.
     const SEE: u64 = 52;
-    /// THE triangle test of one ray.
-    const TEST: u64 = 90;
+    /// THE triangle test of up to eight of them.
+    const TEST: u64 = 80;
     /// A ray that walks alone.
     const ALONE: u64 = 375;
 
@@ -30,7 +30,7 @@ impl Effort {
     /// The same for rays that end at the eye.
     #[inline(always)]
     pub(super) fn approach(&mut self, count: usize) {
-        self.0 += (Self::RAY + Self::APPROACH) * count as u64;
+        self.0 += Self::APPROACH * count as u64;
     }
 
     /// They look at a triangle, and so many times eight are compared with it.
@@ -39,10 +39,10 @@ impl Effort {
         self.0 += Self::ENTRY + Self::SEE * u64::from(seen);
     }
 
-    /// So many go through THE triangle test one by one.
+    /// Some of eight rays go through THE triangle test.
     #[inline(always)]
-    pub(super) fn test(&mut self, count: u32) {
-        self.0 += Self::TEST * u64::from(count);
+    pub(super) fn test(&mut self) {
+        self.0 += Self::TEST;
     }
 
     /// So many walk alone.
@@ -51,8 +51,29 @@ impl Effort {
         self.0 += Self::ALONE * count as u64;
     }
 
+    /// Whether a tile of so many rays, before which this was spent, has cost more than each may.
+    #[inline(always)]
+    pub(super) fn is_beyond(self, before: Self, rays: usize, budget: Budget) -> bool {
+        self.0 - before.0 > budget.0 * rays as u64
+    }
+
     /// All of it.
     pub(super) fn cycles(self) -> u64 {
         self.0
+    }
+}
+
+/// What a ray may cost in a tile on average. A tile that costs more is given up, and its rays are the other structure's: where triangles are
+/// small, single tiles cost a hundred times as much as others, and a few of them as much as all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Budget(u64);
+
+impl Budget {
+    /// Where nothing is known of the other structure.
+    pub(super) const USUAL: Self = Self(2 * Effort::ALONE);
+
+    /// Twice what so many rays cost in the other structure.
+    pub(super) fn of(others: u64, rays: usize) -> Self {
+        Self(2 * others / rays.max(1) as u64)
     }
 }

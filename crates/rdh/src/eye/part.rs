@@ -4,6 +4,7 @@
 use std::ops::RangeInclusive;
 
 use super::EyeTree;
+use super::effort::Budget;
 use super::spec::EyeForm;
 use super::{shadow, tile};
 use crate::bvh::Windows;
@@ -28,10 +29,12 @@ impl EyeTree {
             from += run.len();
             if run.len() < FEWEST {
                 run.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray));
-            } else if self.starts_at_eye(&run[0]) && !is_dearer(run, width, |some| self.closest_efforts(some)) {
-                self.level.run(tile::Closest { tree: self, rays: run, width, hits });
-            } else {
-                self.world.closest_part(run, hits, width);
+                continue;
+            }
+            let is_own = self.starts_at_eye(&run[0]);
+            match is_own.then(|| budget(run, width, |some| self.closest_efforts(some))).flatten() {
+                Some(budget) => _ = self.level.run(tile::Closest { tree: self, rays: run, width, budget, hits }),
+                None => self.world.closest_part(run, hits, width),
             }
         }
     }
@@ -40,16 +43,20 @@ impl EyeTree {
     fn closest_efforts(&self, rays: &[Ray]) -> Option<[u64; 2]> {
         let mut hits = [None; tile::TILE];
         let hits = &mut hits[..rays.len()];
-        let own = self.level.run(tile::Closest { tree: self, rays, width: None, hits }).cycles();
-        Some([own, self.world.closest_effort(rays, hits)?])
+        let others = self.world.closest_effort(rays, hits)?;
+        let budget = Budget::of(others, rays.len());
+        let own = self.level.run(tile::Closest { tree: self, rays, width: None, budget, hits });
+        Some([own.cycles(), others])
     }
 
     /// The same for rays towards it.
     fn occluded_efforts(&self, rays: &[Ray]) -> Option<[u64; 2]> {
         let mut found = [false; tile::TILE];
         let found = &mut found[..rays.len()];
-        let own = self.level.run(shadow::Occluded { tree: self, rays, found }).cycles();
-        Some([own, self.world.occluded_effort(rays, found)?])
+        let others = self.world.occluded_effort(rays, found)?;
+        let budget = Budget::of(others, rays.len());
+        let own = self.level.run(shadow::Occluded { tree: self, rays, budget, found });
+        Some([own.cycles(), others])
     }
 
     /// Whether each ray hits anything.
@@ -62,10 +69,9 @@ impl EyeTree {
                 to = (to + GROUP).min(rays.len());
             }
             let (run, found) = (&rays[from..to], &mut found[from..to]);
-            if is_for && !is_dearer(run, None, |some| self.occluded_efforts(some)) {
-                self.level.run(shadow::Occluded { tree: self, rays: run, found });
-            } else {
-                self.world.occluded_part(run, found, width.filter(|_| run.len() == rays.len()));
+            match is_for.then(|| budget(run, None, |some| self.occluded_efforts(some))).flatten() {
+                Some(budget) => _ = self.level.run(shadow::Occluded { tree: self, rays: run, budget, found }),
+                None => self.world.occluded_part(run, found, width.filter(|_| run.len() == rays.len())),
             }
             from = to;
         }
@@ -87,20 +93,25 @@ impl EyeTree {
     }
 }
 
-/// Whether rays cost more here than they do in the other structure, as some of them tell whose costs are `efforts`: where triangles are
-/// smaller than what is between two rays, each is looked at for few of them.
-fn is_dearer(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> bool {
-    let (mut sums, every) = ([0, 0], (rays.len() / tile::TILE / TOLD_BY).clamp(*ONE_IN.start(), *ONE_IN.end()));
+/// What rays may cost here, if they don't cost more than in the other structure, as some of them tell whose costs are `efforts`: where
+/// triangles are smaller than what is between two rays, each is looked at for few of them.
+fn budget(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> Option<Budget> {
+    let (mut sums, mut count) = ([0, 0], 0);
+    let every = (rays.len() / tile::TILE / TOLD_BY).clamp(*ONE_IN.start(), *ONE_IN.end());
     let mut windows = Windows::new(rays.len(), width);
     loop {
         let choice = windows.nth(every - 1);
         if choice.rays().is_empty() {
-            return sums[0] > sums[1];
+            break;
         }
         let mut some = [rays[0]; tile::TILE];
         some.iter_mut().zip(choice.rays()).for_each(|(ray, &i)| *ray = rays[i as usize]);
-        let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { return false };
-        sums = [sums[0] + own, sums[1] + others];
+        let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { break };
+        (sums, count) = ([sums[0] + own, sums[1] + others], count + choice.rays().len());
+    }
+    match sums {
+        _ if count == 0 => Some(Budget::USUAL),
+        [own, others] => (own <= others).then(|| Budget::of(others, count)),
     }
 }
 
@@ -145,8 +156,8 @@ mod tests {
         for (mesh, is_dearer) in [(sheet(150), true), (soup(3_000, 0.6), false)] {
             let tree = around(&mesh);
             let efforts = |some: &[Ray]| tree.closest_efforts(some);
-            assert_eq!(super::is_dearer(&rays, Some(128), efforts), is_dearer);
-            assert!(!super::is_dearer(&rays[..31 * GROUP], None, efforts), "too few rays to try");
+            assert_eq!(budget(&rays, Some(128), efforts).is_none(), is_dearer);
+            assert_eq!(budget(&rays[..31 * GROUP], None, efforts), Some(Budget::USUAL), "too few rays to try");
             let mut hits = vec![None; rays.len()];
             tree.closest_part(&rays, &mut hits, Some(128));
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| tree.world().closest(ray)).collect();

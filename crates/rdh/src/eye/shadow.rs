@@ -1,7 +1,9 @@
 //! Many rays towards the eye: as [`super::tile`], but any hit will do, and what is certain needs no test at all.
 
+use std::ops::Range;
+
 use super::EyeTree;
-use super::effort::Effort;
+use super::effort::{Budget, Effort};
 use super::face::Face;
 use super::spec::EyeForm;
 use super::tile::ends;
@@ -18,6 +20,7 @@ const TILE: usize = OCTETS * RAYS;
 pub(super) struct Occluded<'a> {
     pub(super) tree: &'a EyeTree,
     pub(super) rays: &'a [Ray],
+    pub(super) budget: Budget,
     pub(super) found: &'a mut [bool],
 }
 
@@ -39,7 +42,7 @@ impl Job for Occluded<'_> {
                     tile.select::<K>(&all, &sides[..rays.len()], side);
                 }
                 waiting &= waiting - 1;
-                one_side::<K>(self.tree, side, rays, found, &mut tile);
+                one_side::<K>(self.tree, (side, self.budget), rays, found, &mut tile);
             }
         }
         tile.effort
@@ -54,10 +57,12 @@ struct Tile {
     chosen: [u8; OCTETS],
     count: usize,
     views: Views,
-    low: [f32; 2],
-    high: [f32; 2],
-    /// Rays that have met something between their end and the eye: a bit a lane.
-    beyond: [u8; OCTETS],
+    /// The octets' boxes: `low[axis][octet]`.
+    low: [[f32; OCTETS]; 2],
+    high: [[f32; OCTETS]; 2],
+    /// Rays that the other structure is asked about, a bit a lane: something lies between their end and the eye, or their octet is too
+    /// wide.
+    asked: [u8; OCTETS],
     stopped: [u8; OCTETS],
     effort: Effort,
 }
@@ -68,9 +73,9 @@ impl Tile {
         chosen: [0; OCTETS],
         count: 0,
         views: Views::NONE,
-        low: [0.0; 2],
-        high: [0.0; 2],
-        beyond: [0; OCTETS],
+        low: [[0.0; OCTETS]; 2],
+        high: [[0.0; OCTETS]; 2],
+        asked: [0; OCTETS],
         stopped: [0; OCTETS],
         effort: Effort::NONE,
     };
@@ -118,24 +123,32 @@ impl Tile {
         }
     }
 
-    /// The boxes of its octets, and of all.
+    /// The boxes of its octets.
     #[inline(always)]
     fn frame(&mut self) {
         self.views = Views::NONE;
-        (self.low, self.high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        (self.beyond, self.stopped) = ([0; OCTETS], [0; OCTETS]);
-        for i in 0..OCTETS {
-            if self.chosen[i] == 0 {
-                continue;
-            }
-            let shade = &self.octets[i];
+        (self.asked, self.stopped) = ([0; OCTETS], [0; OCTETS]);
+        for (i, shade) in self.octets.iter().enumerate().filter(|&(i, _)| self.chosen[i] != 0) {
             for (a, x) in [&shade.u, &shade.v].into_iter().enumerate() {
                 let (low, high) = ends(x);
+                (self.low[a][i], self.high[a][i]) = (low, high);
                 (self.views.low[a][i], self.views.high[a][i]) = (step_of(low), step_of(high));
-                (self.low[a], self.high[a]) = (smaller(low, self.low[a]), larger(high, self.high[a]));
             }
-            self.views.least[i] = ends(&shade.far).0;
         }
+    }
+
+    /// Only some octets are of interest; their box.
+    #[inline(always)]
+    fn narrow(&mut self, octets: Range<usize>) -> ([f32; 2], [f32; 2]) {
+        let (mut lows, mut highs) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
+        self.views.least = [f32::INFINITY; RAYS];
+        for i in octets.filter(|&i| self.chosen[i] != 0) {
+            for (a, (low, high)) in lows.iter_mut().zip(&mut highs).enumerate() {
+                (*low, *high) = (smaller(self.low[a][i], *low), larger(self.high[a][i], *high));
+            }
+            self.views.least[i] = ends(&self.octets[i].far).0;
+        }
+        (lows, highs)
     }
 
     /// Some rays of an octet are stopped.
@@ -147,18 +160,40 @@ impl Tile {
     }
 }
 
-/// The answers of rays from one side.
+/// The answers of rays from one side; what is too wide walks by halves, what is too dear is given up.
 #[inline(always)]
-fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], found: &mut [bool], tile: &mut Tile) {
-    let Some(face) = tree.faces.get(side as usize).and_then(Option::as_ref) else {
-        return alone(tree, rays, found, tile);
-    };
+fn one_side<K: Kernels>(
+    tree: &EyeTree,
+    (side, budget): (u32, Budget),
+    rays: &[Ray],
+    found: &mut [bool],
+    tile: &mut Tile,
+) {
     tile.frame();
-    if !face.takes(tile.low, tile.high) || !tree.drops_hidden() {
-        return alone(tree, rays, found, tile);
+    match tree.faces.get(side as usize).and_then(Option::as_ref).filter(|_| tree.drops_hidden()) {
+        None => tile.asked = tile.chosen,
+        Some(face) => {
+            let before = tile.effort;
+            tile.effort.approach(tile.count);
+            let (mut from, mut count) = (0, OCTETS);
+            while from < OCTETS {
+                let (low, high) = tile.narrow(from..from + count);
+                let takes = face.takes(low, high);
+                if !takes && count > 1 {
+                    count /= 2;
+                    continue;
+                }
+                let may_cost = |effort: Effort, rays| !effort.is_beyond(before, rays, budget);
+                if !takes || !walk::<K>(face, (low, high), rays, tile, may_cost) {
+                    let octets = from..from + count;
+                    tile.asked[octets.clone()].copy_from_slice(&tile.chosen[octets]);
+                }
+                from += count;
+                // The other half, or what comes after both.
+                count = 1 << from.trailing_zeros();
+            }
+        }
     }
-    tile.effort.approach(tile.count);
-    walk::<K>(face, rays, tile);
     for (i, found) in found.chunks_mut(RAYS).enumerate() {
         let (chosen, stopped) = (tile.chosen[i], tile.stopped[i]);
         if chosen == 0xff {
@@ -168,18 +203,9 @@ fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], found: &mut [bo
         } else {
             each(chosen, |lane| found[lane] = stopped >> lane & 1 == 1);
         }
-        let open = tile.beyond[i] & !stopped;
+        let open = tile.asked[i] & !stopped;
         each(open, |lane| found[lane] = tree.world.occluded(&rays[i * RAYS + lane]));
         tile.effort.alone(open.count_ones() as usize);
-    }
-}
-
-/// Rays that walk alone.
-#[inline(never)]
-fn alone(tree: &EyeTree, rays: &[Ray], found: &mut [bool], tile: &mut Tile) {
-    tile.effort.alone(tile.count);
-    for (i, &chosen) in tile.chosen.iter().enumerate() {
-        each(chosen, |lane| found[i * RAYS + lane] = tree.occluded(&rays[i * RAYS + lane]));
     }
 }
 
@@ -191,11 +217,17 @@ fn each(mut bits: u8, mut f: impl FnMut(usize)) {
     }
 }
 
-/// Compares a tile's rays with all triangles that may stop any of them.
+/// Compares a tile's rays with all triangles that may stop any of them; not with all of them if it may not cost that much.
 #[inline(always)]
-fn walk<K: Kernels>(face: &Face, rays: &[Ray], tile: &mut Tile) {
+fn walk<K: Kernels>(
+    face: &Face,
+    (low, high): ([f32; 2], [f32; 2]),
+    rays: &[Ray],
+    tile: &mut Tile,
+    may_cost: impl Fn(Effort, usize) -> bool,
+) -> bool {
     let mut slots = WalkSlots::new();
-    let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
+    let mut leaves = Leaves::new(face, low, high, &mut slots);
     let mut least = ends(&tile.views.least).0;
     while let Some(entries) = leaves.next() {
         for entry in entries {
@@ -204,6 +236,9 @@ fn walk<K: Kernels>(face: &Face, rays: &[Ray], tile: &mut Tile) {
             }
             let mut seen = K::in_view(entry, &tile.views);
             tile.effort.look(seen.count_ones());
+            if !may_cost(tile.effort, tile.count) {
+                return false;
+            }
             while seen != 0 {
                 let i = seen.trailing_zeros() as usize & (OCTETS - 1);
                 seen &= seen - 1;
@@ -218,12 +253,13 @@ fn walk<K: Kernels>(face: &Face, rays: &[Ray], tile: &mut Tile) {
             }
         }
     }
+    true
 }
 
 /// THE triangle test of those of an octet's rays that a triangle may stop; also notes where it lies between their end and the eye.
 #[inline(always)]
 fn look<E: Eight>(face: &Face, entry: &Entry, octet: usize, lanes: u32, rays: &[Ray], tile: &mut Tile) -> u32 {
-    tile.effort.test(lanes.count_ones());
+    tile.effort.test();
     let (index, last) = (entry.sight as usize, rays.len() - 1);
     let [ox, oy, oz, dx, dy, dz, t_min, t_max] = E::transposed(|lane| rays[(octet * RAYS + lane).min(last)].numbers());
     let (origin, direction_z) = match face.side.axes() {
@@ -239,7 +275,7 @@ fn look<E: Eight>(face: &Face, entry: &Entry, octet: usize, lanes: u32, rays: &[
     let stopped = E::hits(&corners, direction_z, t_min, t_max).accepted & lanes;
     let nearest = face.sights[index].nearest(u, v);
     let beyond = E::load(&shade.near_surely).le(nearest).signs() & lanes & !stopped;
-    tile.beyond[octet] |= beyond as u8;
+    tile.asked[octet] |= beyond as u8;
     stopped
 }
 

@@ -8,10 +8,11 @@
 //! then, once a ray: THE triangle test of the one triangle that it surely hits first            (Kernels::meet_own)
 //!     or of those few of which the margins don't tell which it hits first
 //! ```
-//! A ray with more of these than there is room for walks alone (`trace.rs`), as do those of tiles that are too wide.
+//! A ray with more of these than there is room for walks alone (`trace.rs`), as do those of tiles that are too wide. A tile that costs more
+//! than it may is given up, and its rays are the other structure's.
 
 use super::EyeTree;
-use super::effort::Effort;
+use super::effort::{Budget, Effort};
 use super::face::Face;
 use super::walk::{Leaves, WalkSlots};
 use crate::bvh::Windows;
@@ -29,6 +30,7 @@ pub(super) struct Closest<'a> {
     pub(super) rays: &'a [Ray],
     /// How many rays a row has, if they come in rows.
     pub(super) width: Option<usize>,
+    pub(super) budget: Budget,
     pub(super) hits: &'a mut [Option<Hit>],
 }
 
@@ -39,7 +41,7 @@ impl Job for Closest<'_> {
     /// One loop, so that everything is compiled once.
     #[inline(always)]
     fn run<K: Kernels>(self) -> Effort {
-        let (mut tile, mut windows) = (Tile::NEW, Windows::new(self.rays.len(), self.width));
+        let (mut tile, mut windows) = (Tile::new(self.budget), Windows::new(self.rays.len(), self.width));
         loop {
             let choice = windows.next();
             if choice.rays().is_empty() {
@@ -62,6 +64,7 @@ struct Tile {
     low: [f32; 2],
     high: [f32; 2],
     effort: Effort,
+    budget: Budget,
 }
 
 const NO_AIMS: Aims = Aims {
@@ -73,16 +76,19 @@ const NO_AIMS: Aims = Aims {
 };
 
 impl Tile {
-    const NEW: Self = Self {
-        aims: [NO_AIMS; OCTETS],
-        octets: [Octet::NEW; OCTETS],
-        views: Views::NONE,
-        order: [0; TILE],
-        len: 0,
-        low: [0.0; 2],
-        high: [0.0; 2],
-        effort: Effort::NONE,
-    };
+    fn new(budget: Budget) -> Self {
+        Self {
+            aims: [NO_AIMS; OCTETS],
+            octets: [Octet::NEW; OCTETS],
+            views: Views::NONE,
+            order: [0; TILE],
+            len: 0,
+            low: [0.0; 2],
+            high: [0.0; 2],
+            effort: Effort::NONE,
+            budget,
+        }
+    }
 }
 
 /// The hits of up to 64 of a batch's rays, by their numbers.
@@ -153,6 +159,15 @@ fn alone(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile
     }
 }
 
+/// Rays that are left to the other structure.
+#[inline(never)]
+fn given_up(tree: &EyeTree, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
+    tile.effort.alone(tile.len);
+    for &i in &tile.order[..tile.len] {
+        hits[i as usize] = tree.world.closest(&rays[i as usize]);
+    }
+}
+
 /// The hits of rays to one side.
 #[inline(always)]
 fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], hits: &mut [Option<Hit>], tile: &mut Tile) {
@@ -161,8 +176,9 @@ fn one_side<K: Kernels>(tree: &EyeTree, side: u32, rays: &[Ray], hits: &mut [Opt
     if !face.takes(tile.low, tile.high) || !tree.drops_hidden() {
         return alone(tree, rays, hits, tile);
     }
-    tile.effort.rays(tile.len);
-    walk::<K>(face, tile);
+    if !walk::<K>(face, tile) {
+        return given_up(tree, rays, hits, tile);
+    }
     let eye = face.side.along(&tree.eye());
     let (aims, octets) = (&tile.aims, &tile.octets);
     let mut met = Met { t: [0.0; RAYS], u: [0.0; RAYS], v: [0.0; RAYS], hits: 0 };
@@ -207,9 +223,11 @@ pub(super) fn ends(x: &[f32; RAYS]) -> (f32, f32) {
     (low[0], high[0])
 }
 
-/// Compares a tile's rays with all triangles that may be the first for any of them.
+/// Compares a tile's rays with all triangles that may be the first for any of them; not with all of them if that is beyond the budget.
 #[inline(always)]
-fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
+fn walk<K: Kernels>(face: &Face, tile: &mut Tile) -> bool {
+    let before = tile.effort;
+    tile.effort.rays(tile.len);
     let mut slots = WalkSlots::new();
     let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
     let mut least = f32::NEG_INFINITY;
@@ -220,6 +238,9 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
             }
             let mut seen = K::in_view(entry, &tile.views);
             tile.effort.look(seen.count_ones());
+            if tile.effort.is_beyond(before, tile.len, tile.budget) {
+                return false;
+            }
             let mut changed = false;
             while seen != 0 {
                 let i = seen.trailing_zeros() as usize & (OCTETS - 1);
@@ -235,6 +256,7 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) {
             }
         }
     }
+    true
 }
 
 /// The hits of an octet; how many rays had to walk alone.
