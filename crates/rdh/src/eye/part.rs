@@ -123,7 +123,9 @@ fn first_group(rays: &[Ray]) -> &[Ray] {
 mod tests {
     use super::*;
     use crate::eye::EyeOptions;
-    use crate::soup::soup;
+    use crate::geom::Vec3;
+    use crate::simd::Level;
+    use crate::soup::{numbers, soup};
     use crate::{BuildOptions, Mesh, Spec, Training, build};
 
     /// Rays through the pixels of a picture, from a corner of the box [-1, 1]³.
@@ -142,11 +144,11 @@ mod tests {
         Mesh::new(positions, corners.flat_map(square).collect()).expect("a valid mesh")
     }
 
-    fn around(mesh: &Mesh) -> EyeTree {
+    fn around(mesh: &Mesh, eye: Vec3, form: EyeForm) -> EyeTree {
         let spec = "bvh8+sah".parse::<Spec>().expect("a spec");
         let world = build(mesh, &spec, &Training::none(), &BuildOptions::default()).expect("it builds");
-        let options = (EyeOptions::default(), BuildOptions::default());
-        EyeTree::build(world, [-1.0; 3], &Training::none(), &options.0, &options.1).expect("it builds")
+        let options = (EyeOptions { form, ..EyeOptions::default() }, BuildOptions::default());
+        EyeTree::build(world, eye, &Training::none(), &options.0, &options.1).expect("it builds")
     }
 
     #[test]
@@ -154,7 +156,7 @@ mod tests {
         let rays = picture(128);
         // Of many large triangles most are hidden, and not looked at.
         for (mesh, is_dearer) in [(sheet(150), true), (soup(3_000, 0.6), false)] {
-            let tree = around(&mesh);
+            let tree = around(&mesh, [-1.0; 3], EyeForm::From);
             let efforts = |some: &[Ray]| tree.closest_efforts(some);
             assert_eq!(budget(&rays, Some(128), efforts).is_none(), is_dearer);
             assert_eq!(budget(&rays[..31 * GROUP], None, efforts), Some(Budget::USUAL), "too few rays to try");
@@ -162,6 +164,39 @@ mod tests {
             tree.closest_part(&rays, &mut hits, Some(128));
             let alone: Vec<Option<Hit>> = rays.iter().map(|ray| tree.world().closest(ray)).collect();
             assert!(hits == alone && hits.iter().flatten().count() > 1000);
+        }
+    }
+    /// Rays that start here and there and end at a point, those of each 64 more or less side by side.
+    fn rays_to(eye: Vec3) -> Vec<Ray> {
+        let mut number = numbers(5);
+        let mut rays = Vec::new();
+        for spread in [0.01, 0.1, 1.0].repeat(12) {
+            let center = [number(), number(), number()];
+            rays.extend((0..60).map(|_| {
+                let origin = [0, 1, 2].map(|a| (1.0 - spread) * center[a] + spread * number());
+                Ray::new(origin, [0, 1, 2].map(|a| eye[a] - origin[a])).within(0.0, 1.0)
+            }));
+        }
+        rays
+    }
+
+    #[test]
+    fn whatever_tiles_may_cost_the_answers_are_the_same() {
+        let (mesh, eye) = (soup(3_000, 0.1), [0.1, -0.2, 0.3]);
+        let (from, towards) = (around(&mesh, eye, EyeForm::From), around(&mesh, eye, EyeForm::Towards));
+        let to = rays_to(eye);
+        let away: Vec<Ray> = to.iter().map(|ray| Ray::new(eye, ray.direction)).collect();
+        let right: Vec<Option<Hit>> = away.iter().map(|ray| from.world().closest(ray)).collect();
+        let stopped: Vec<bool> = to.iter().map(|ray| towards.world().occluded(ray)).collect();
+        assert!(stopped.iter().filter(|&&is| is).count() > 500 && stopped.iter().filter(|&&is| !is).count() > 500);
+        for level in Level::available() {
+            for budget in [Budget::of(0, 1), Budget::of(60, 1), Budget::USUAL, Budget::of(1 << 40, 1)] {
+                let (mut hits, mut found) = (vec![None; away.len()], vec![false; to.len()]);
+                let closest = tile::Closest { tree: &from, rays: &away, width: None, budget, hits: &mut hits };
+                level.run(closest);
+                level.run(shadow::Occluded { tree: &towards, rays: &to, budget, found: &mut found });
+                assert!(hits == right && found == stopped, "{budget:?}, {}", level.name());
+            }
         }
     }
 }
