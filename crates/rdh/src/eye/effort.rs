@@ -64,16 +64,16 @@ impl Effort {
 }
 
 /// What a ray may cost in a tile on average. A tile that costs more is given up, and its rays are the other structure's: where triangles are
-/// small, single tiles cost a hundred times as much as others, and a few of them as much as all.
+/// small, single tiles cost a hundred times as much as others, and a few of them more than all the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Budget(u64);
 
 impl Budget {
     /// Where nothing is known of the other structure.
-    pub(super) const USUAL: Self = Self(2 * Effort::ALONE);
+    pub(super) const USUAL: Self = Self(8 * Effort::ALONE);
 
-    /// Twice what so many rays cost in the other structure.
+    /// Eight times what so many rays cost in the other structure: tiles that are dear here are dear there, too.
     pub(super) fn of(others: u64, rays: usize) -> Self {
-        Self(2 * others / rays.max(1) as u64)
+        Self(8 * others / rays.max(1) as u64)
     }
 }
