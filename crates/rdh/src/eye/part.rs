@@ -96,11 +96,17 @@ impl EyeTree {
 /// What rays may cost here, if they don't cost more than in the other structure, as some of them tell whose costs are `efforts`: where
 /// triangles are smaller than what is between two rays, each is looked at for few of them.
 fn budget(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option<[u64; 2]>) -> Option<Budget> {
-    let (mut sums, mut count) = ([0, 0], 0);
     let every = (rays.len() / tile::TILE / TOLD_BY).clamp(*ONE_IN.start(), *ONE_IN.end());
+    if rays.len() < every * tile::TILE {
+        return Some(Budget::USUAL);
+    }
+    let (mut sums, mut count, mut next) = ([0, 0], 0, 0);
     let mut windows = Windows::new(rays.len(), width);
-    loop {
-        let choice = windows.nth(every - 1);
+    for i in 0.. {
+        // One of so many, each time elsewhere among them: the first ones would be a column of the picture.
+        let place = i * every + (every * (158 * (i + 1) % 256)) / 256;
+        let choice = windows.nth(place - next);
+        next = place + 1;
         if choice.rays().is_empty() {
             break;
         }

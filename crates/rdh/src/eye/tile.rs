@@ -248,6 +248,7 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) -> bool {
                 let octet = &mut tile.octets[i];
                 if K::see(&face.sights[entry.sight as usize], entry.sight, octet) {
                     tile.views.least[i] = ends(&octet.least).0;
+                    tile.effort.keep();
                     changed = true;
                 }
             }
