@@ -61,7 +61,7 @@ struct Tile {
     low: [[f32; OCTETS]; 2],
     high: [[f32; OCTETS]; 2],
     /// Rays that the other structure is asked about, a bit a lane: something lies between their end and the eye, or their octet is too
-    /// wide.
+    /// wide, or was given up.
     asked: [u8; OCTETS],
     stopped: [u8; OCTETS],
     effort: Effort,
