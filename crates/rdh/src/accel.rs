@@ -214,7 +214,8 @@ impl Accel {
     }
 
     /// [`Self::closest`] of each ray, bit for bit, in its place in `hits`: much faster where neighbours in the batch are alike, and
-    /// faster where they have nothing to do with each other. Rays of a picture may come row by row, or in tiles.
+    /// faster where they have nothing to do with each other. Rays of a picture may come row by row, or in tiles. That holds for hierarchies
+    /// of eight children (`bvh8`), and for trees around a point and its rays; others, world-space kd-trees among them, cast one by one.
     ///
     /// Works on all threads of rayon's current pool; what comes out does not depend on them.
     ///
