@@ -1,7 +1,7 @@
 //! What a tile of rays from the eye costs, from counts alone, so that it does not depend on the time.
 
 /// In cycles of a CPU with AVX2, about, as those of the hierarchy's tiles are told: one is held against the other.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub(super) struct Effort(u64);
 
 impl Effort {
@@ -59,10 +59,10 @@ impl Effort {
         self.0 += Self::ALONE * count as u64;
     }
 
-    /// Whether a tile of so many rays, before which this was spent, has cost more than each may.
+    /// What may be spent when a tile of so many rays is done that sets out now.
     #[inline(always)]
-    pub(super) fn is_beyond(self, before: Self, rays: usize, budget: Budget) -> bool {
-        self.0 - before.0 > budget.0 * rays as u64
+    pub(super) fn limit(self, rays: usize, budget: Budget) -> Self {
+        Self(self.0 + budget.0 * rays as u64)
     }
 
     /// All of it.

@@ -115,10 +115,11 @@ fn budget(rays: &[Ray], width: Option<usize>, efforts: impl Fn(&[Ray]) -> Option
         let Some([own, others]) = efforts(&some[..choice.rays().len()]) else { break };
         (sums, count) = ([sums[0] + own, sums[1] + others], count + choice.rays().len());
     }
-    match sums {
-        _ if count == 0 => Some(Budget::USUAL),
-        [own, others] => (own <= others).then(|| Budget::of(others, count)),
+    if count == 0 {
+        return Some(Budget::USUAL);
     }
+    let [own, others] = sums;
+    (own <= others).then(|| Budget::of(others, count))
 }
 
 fn first_group(rays: &[Ray]) -> &[Ray] {

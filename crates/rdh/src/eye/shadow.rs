@@ -173,7 +173,7 @@ fn one_side<K: Kernels>(
     match tree.faces.get(side as usize).and_then(Option::as_ref).filter(|_| tree.drops_hidden()) {
         None => tile.asked = tile.chosen,
         Some(face) => {
-            let before = tile.effort;
+            let limit = tile.effort.limit(tile.count, budget);
             tile.effort.approach(tile.count);
             let (mut from, mut count) = (0, OCTETS);
             while from < OCTETS {
@@ -183,8 +183,7 @@ fn one_side<K: Kernels>(
                     count /= 2;
                     continue;
                 }
-                let may_cost = |effort: Effort, rays| !effort.is_beyond(before, rays, budget);
-                if !takes || !walk::<K>(face, (low, high), rays, tile, may_cost) {
+                if !takes || !walk::<K>(face, (low, high), rays, tile, limit) {
                     let octets = from..from + count;
                     tile.asked[octets.clone()].copy_from_slice(&tile.chosen[octets]);
                 }
@@ -217,14 +216,14 @@ fn each(mut bits: u8, mut f: impl FnMut(usize)) {
     }
 }
 
-/// Compares a tile's rays with all triangles that may stop any of them; not with all of them if it may not cost that much.
+/// Compares a tile's rays with all triangles that may stop any of them; not with all of them if that is beyond the limit.
 #[inline(always)]
 fn walk<K: Kernels>(
     face: &Face,
     (low, high): ([f32; 2], [f32; 2]),
     rays: &[Ray],
     tile: &mut Tile,
-    may_cost: impl Fn(Effort, usize) -> bool,
+    limit: Effort,
 ) -> bool {
     let mut slots = WalkSlots::new();
     let mut leaves = Leaves::new(face, low, high, &mut slots);
@@ -236,7 +235,7 @@ fn walk<K: Kernels>(
             }
             let mut seen = K::in_view(entry, &tile.views);
             tile.effort.look(seen.count_ones());
-            if !may_cost(tile.effort, tile.count) {
+            if tile.effort > limit {
                 return false;
             }
             while seen != 0 {

@@ -226,7 +226,7 @@ pub(super) fn ends(x: &[f32; RAYS]) -> (f32, f32) {
 /// Compares a tile's rays with all triangles that may be the first for any of them; not with all of them if that is beyond the budget.
 #[inline(always)]
 fn walk<K: Kernels>(face: &Face, tile: &mut Tile) -> bool {
-    let before = tile.effort;
+    let limit = tile.effort.limit(tile.len, tile.budget);
     tile.effort.rays(tile.len);
     let mut slots = WalkSlots::new();
     let mut leaves = Leaves::new(face, tile.low, tile.high, &mut slots);
@@ -238,7 +238,7 @@ fn walk<K: Kernels>(face: &Face, tile: &mut Tile) -> bool {
             }
             let mut seen = K::in_view(entry, &tile.views);
             tile.effort.look(seen.count_ones());
-            if tile.effort.is_beyond(before, tile.len, tile.budget) {
+            if tile.effort > limit {
                 return false;
             }
             let mut changed = false;

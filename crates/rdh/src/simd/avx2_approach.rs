@@ -2,10 +2,10 @@
 
 use std::arch::x86_64::*;
 
+use super::Passing;
 use super::approach::{LESS, MORE};
-use super::avx2_sight::{columns, number, numbers, pick};
+use super::avx2_sight::{columns, is_usual, longest, numbers, pick, side, size, wide};
 use super::sight::{RAYS, Shade};
-use super::{Aims, Passing};
 use crate::geom::Ray;
 
 // SAFETY, for every block below: as in `avx2_sight.rs`.
@@ -29,11 +29,7 @@ pub(super) fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade)
     unsafe {
         let [ox, oy, oz, dx] = columns(numbers(&rays.each_ref(), 0));
         let [dy, dz, t_min, t_max] = columns(numbers(&rays.each_ref(), 4));
-        let (ax, ay, az) = (size(dx), size(dy), size(dz));
-        let x_over_y = _mm256_cmp_ps::<_CMP_GT_OQ>(ax, ay);
-        let is_x = _mm256_and_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ax, az));
-        let is_y = _mm256_andnot_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ay, az));
-        let is = [is_x, is_y];
+        let is = longest(dx, dy, dz);
         let [ex, ey, ez] = passing.eye;
         let (ex, ey, ez) = (_mm256_set1_ps(ex), _mm256_set1_ps(ey), _mm256_set1_ps(ez));
         let direction_z = pick(is, dx, dy, dz);
@@ -47,20 +43,15 @@ pub(super) fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade)
             t_max,
         };
         let (low, high) = (half::<0>(&along, passing), half::<1>(&along, passing));
-        let (farthest, length) = (_mm256_max_ps(_mm256_max_ps(size(ox), size(oy)), size(oz)), size(direction_z));
-        let usual = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(length, _mm256_set1_ps(Aims::SHORTEST)),
-            _mm256_cmp_ps::<_CMP_LE_OQ>(length, _mm256_set1_ps(Aims::LONGEST)),
-        );
+        let farthest = _mm256_max_ps(_mm256_max_ps(size(ox), size(oy)), size(oz));
         // What is no number elsewhere makes `across` none.
         let nearby = _mm256_cmp_ps::<_CMP_LE_OQ>(farthest, _mm256_set1_ps(passing.reach));
-        let own = _mm256_and_ps(_mm256_and_ps(usual, nearby), _mm256_cmp_ps::<_CMP_LE_OQ>(t_min, t_max));
+        let own =
+            _mm256_and_ps(_mm256_and_ps(is_usual(direction_z), nearby), _mm256_cmp_ps::<_CMP_LE_OQ>(t_min, t_max));
         let own = _mm256_and_ps(own, _mm256_set_m128(high.passes, low.passes));
         let mut sides = [0; RAYS];
-        let axis = _mm256_castps_si256(pick(is, number(0), number(2), number(4)));
-        let up = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GE_OQ>(direction_z, _mm256_setzero_ps()));
-        let side = _mm256_castsi256_ps(_mm256_sub_epi32(axis, up));
-        _mm256_storeu_ps(sides.as_mut_ptr().cast(), _mm256_blendv_ps(number(Aims::STRAY), side, own));
+        let up = _mm256_cmp_ps::<_CMP_GE_OQ>(direction_z, _mm256_setzero_ps());
+        _mm256_storeu_ps(sides.as_mut_ptr().cast(), side(is, up, own));
         put(&mut shade.far, (low.far, high.far), f32::INFINITY, own);
         put(&mut shade.far_surely, (low.far_surely, high.far_surely), f32::INFINITY, own);
         put(&mut shade.near_surely, (low.near_surely, high.near_surely), f32::NEG_INFINITY, own);
@@ -68,13 +59,6 @@ pub(super) fn approach(rays: &[Ray; RAYS], passing: &Passing, shade: &mut Shade)
         _mm256_storeu_ps(shade.v.as_mut_ptr(), _mm256_and_ps(along.shear[1], own));
         sides
     }
-}
-
-/// Without the sign.
-#[inline(always)]
-fn size(x: __m256) -> __m256 {
-    // SAFETY: see above.
-    unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
 }
 
 /// Writes eight numbers, or one in the place of those that are not the eye's.
@@ -94,13 +78,6 @@ struct Half {
     near_surely: __m128,
     /// All ones where they pass by the eye closely, end there or before, and start before that.
     passes: __m128,
-}
-
-/// Four of eight numbers, in f64.
-#[inline(always)]
-fn wide<const HALF: i32>(x: __m256) -> __m256d {
-    // SAFETY: see above.
-    unsafe { _mm256_cvtps_pd(_mm256_extractf128_ps::<HALF>(x)) }
 }
 
 /// The exact difference of four of eight numbers.

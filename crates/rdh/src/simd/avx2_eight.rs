@@ -4,25 +4,13 @@
 
 use std::arch::x86_64::*;
 
+use super::floats::operations;
 use super::{Eight, Floats, Hits};
 
 /// Eight floats in a register.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub(crate) struct Wide8(pub(super) __m256);
-
-/// An operation that is one instruction.
-macro_rules! operations {
-    ($($name:ident($($other:ident),*) = $intrinsic:expr;)*) => {
-        $(
-            #[inline(always)]
-            fn $name(self, $($other: Self),*) -> Self {
-                // SAFETY: as in `Avx2`.
-                Self(unsafe { $intrinsic(self.0, $($other.0),*) })
-            }
-        )*
-    };
-}
 
 // SAFETY, for every block below: as in `Avx2`; loads and stores lie within the references they are made from, and are unaligned ones.
 impl Eight for Wide8 {

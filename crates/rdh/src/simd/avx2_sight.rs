@@ -199,33 +199,63 @@ pub(super) fn aim(rays: &[&Ray; RAYS], eye: &Vec3, aims: &mut Aims) {
         }
         let [dx, dy, dz, t_min] = columns(numbers(rays, 3));
         let [_, _, t_max, _] = columns(numbers(rays, 5));
-        let (zero, sign) = (_mm256_setzero_ps(), _mm256_set1_ps(-0.0));
-        let (ax, ay, az) = (_mm256_andnot_ps(sign, dx), _mm256_andnot_ps(sign, dy), _mm256_andnot_ps(sign, dz));
-        let x_over_y = _mm256_cmp_ps::<_CMP_GT_OQ>(ax, ay);
-        let is_x = _mm256_and_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ax, az));
-        let is_y = _mm256_andnot_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(ay, az));
-        let is = [is_x, is_y];
+        let (zero, is) = (_mm256_setzero_ps(), longest(dx, dy, dz));
         let (first, second, along) = (pick(is, dy, dz, dx), pick(is, dz, dx, dy), pick(is, dx, dy, dz));
         let none =
             _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, zero), _mm256_mul_ps(dy, zero)), _mm256_mul_ps(dz, zero));
-        let reach = _mm256_andnot_ps(sign, along);
-        let usual = _mm256_and_ps(
-            _mm256_cmp_ps::<_CMP_GE_OQ>(reach, _mm256_set1_ps(Aims::SHORTEST)),
-            _mm256_cmp_ps::<_CMP_LE_OQ>(reach, _mm256_set1_ps(Aims::LONGEST)),
-        );
         let interval =
             _mm256_and_ps(_mm256_cmp_ps::<_CMP_GE_OQ>(t_min, zero), _mm256_cmp_ps::<_CMP_LE_OQ>(t_min, t_max));
-        let own = _mm256_and_ps(_mm256_and_ps(usual, interval), _mm256_cmp_ps::<_CMP_EQ_OQ>(none, zero));
-        let axis = _mm256_castps_si256(pick(is, number(0), number(2), number(4)));
-        let down = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(along, zero));
-        let side = _mm256_castsi256_ps(_mm256_sub_epi32(axis, down));
-        let side = _mm256_blendv_ps(number(Aims::STRAY), side, own);
+        let own = _mm256_and_ps(_mm256_and_ps(is_usual(along), interval), _mm256_cmp_ps::<_CMP_EQ_OQ>(none, zero));
+        let side = side(is, _mm256_cmp_ps::<_CMP_LT_OQ>(along, zero), own);
         _mm256_storeu_ps(aims.shear[0].as_mut_ptr(), _mm256_div_ps(first, along));
         _mm256_storeu_ps(aims.shear[1].as_mut_ptr(), _mm256_div_ps(second, along));
         _mm256_storeu_ps(aims.direction_z.as_mut_ptr(), along);
         _mm256_storeu_ps(aims.t_min.as_mut_ptr(), t_min);
         _mm256_storeu_ps(aims.t_max.as_mut_ptr(), t_max);
         _mm256_storeu_ps(aims.side.as_mut_ptr().cast(), side);
+    }
+}
+
+/// Without the sign.
+#[inline(always)]
+pub(super) fn size(x: __m256) -> __m256 {
+    // SAFETY: see above.
+    unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), x) }
+}
+
+/// Whether rays' longest axis is x, and whether it is y.
+#[inline(always)]
+pub(super) fn longest(dx: __m256, dy: __m256, dz: __m256) -> [__m256; 2] {
+    let (x, y, z) = (size(dx), size(dy), size(dz));
+    // SAFETY: see above.
+    unsafe {
+        let x_over_y = _mm256_cmp_ps::<_CMP_GT_OQ>(x, y);
+        let is_x = _mm256_and_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(x, z));
+        [is_x, _mm256_andnot_ps(x_over_y, _mm256_cmp_ps::<_CMP_GT_OQ>(y, z))]
+    }
+}
+
+/// Whether the longest components are neither too short nor too long.
+#[inline(always)]
+pub(super) fn is_usual(along: __m256) -> __m256 {
+    let length = size(along);
+    // SAFETY: see above.
+    unsafe {
+        _mm256_and_ps(
+            _mm256_cmp_ps::<_CMP_GE_OQ>(length, _mm256_set1_ps(Aims::SHORTEST)),
+            _mm256_cmp_ps::<_CMP_LE_OQ>(length, _mm256_set1_ps(Aims::LONGEST)),
+        )
+    }
+}
+
+/// The sides of rays that are the eye's: twice the axis, and 1 more where the second mask says so; all others are strays.
+#[inline(always)]
+pub(super) fn side(is: [__m256; 2], second: __m256, own: __m256) -> __m256 {
+    // SAFETY: see above.
+    unsafe {
+        let axis = _mm256_castps_si256(pick(is, number(0), number(2), number(4)));
+        let side = _mm256_castsi256_ps(_mm256_sub_epi32(axis, _mm256_castps_si256(second)));
+        _mm256_blendv_ps(number(Aims::STRAY), side, own)
     }
 }
 
@@ -238,7 +268,7 @@ pub(super) fn pick([is_x, is_y]: [__m256; 2], x: __m256, y: __m256, z: __m256) -
 
 /// The bits of a number in all lanes.
 #[inline(always)]
-pub(super) fn number(x: u32) -> __m256 {
+fn number(x: u32) -> __m256 {
     // SAFETY: see above.
     unsafe { _mm256_castsi256_ps(_mm256_set1_epi32(x as i32)) }
 }
@@ -306,7 +336,7 @@ pub(super) fn meet_own(aims: &Aims, eye: &Vec3, corners: &[&Corners; RAYS], met:
 
 /// Four of eight numbers, in f64.
 #[inline(always)]
-fn wide<const HALF: i32>(x: __m256) -> __m256d {
+pub(super) fn wide<const HALF: i32>(x: __m256) -> __m256d {
     // SAFETY: see above.
     unsafe { _mm256_cvtps_pd(_mm256_extractf128_ps::<HALF>(x)) }
 }

@@ -5,25 +5,13 @@
 use std::arch::x86_64::*;
 
 use super::avx2_eight::Wide8;
+use super::floats::operations;
 use super::{Floats, Hits};
 
 /// Sixteen floats in a register.
 #[derive(Debug, Clone, Copy)]
 #[repr(transparent)]
 pub(crate) struct Wide16(__m512);
-
-/// An operation that is one instruction.
-macro_rules! operations {
-    ($($name:ident($($other:ident),*) = $intrinsic:expr;)*) => {
-        $(
-            #[inline(always)]
-            fn $name(self, $($other: Self),*) -> Self {
-                // SAFETY: as in `Avx512`.
-                Self(unsafe { $intrinsic(self.0, $($other.0),*) })
-            }
-        )*
-    };
-}
 
 // SAFETY, for every block below: as in `Avx512`.
 impl Floats for Wide16 {

@@ -83,6 +83,23 @@ pub(crate) struct Hits<F> {
     pub(crate) v: F,
 }
 
+/// Operations that are one instruction each, of a register in a struct.
+#[cfg(target_arch = "x86_64")]
+macro_rules! operations {
+    ($($name:ident($($other:ident),*) = $intrinsic:expr;)*) => {
+        $(
+            #[inline(always)]
+            fn $name(self, $($other: Self),*) -> Self {
+                // SAFETY: as in the kernels, which alone name these types: the CPU has the instructions.
+                Self(unsafe { $intrinsic(self.0, $($other.0),*) })
+            }
+        )*
+    };
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use operations;
+
 /// All lanes, a bit each.
 #[inline(always)]
 pub(crate) fn all_lanes<F: Floats>() -> u32 {
