@@ -214,8 +214,8 @@ impl Accel {
     }
 
     /// [`Self::closest`] of each ray, bit for bit, in its place in `hits`: much faster where neighbours in the batch are alike, and
-    /// faster where they have nothing to do with each other. Rays of a picture may come row by row, or in tiles. That holds for hierarchies
-    /// of eight children (`bvh8`), and for trees around a point and its rays; others, world-space kd-trees among them, cast one by one.
+    /// faster where they have nothing to do with each other. Rays of a picture may come row by row, or in tiles. The former holds for kd-trees,
+    /// hierarchies of eight children (`bvh8`), and trees around a point and its rays; the latter for such hierarchies. Others cast one by one.
     ///
     /// Works on all threads of rayon's current pool; what comes out does not depend on them.
     ///
@@ -236,6 +236,7 @@ impl Accel {
     /// [`Self::closest_many`] on this thread; `width` is how many rays a row has, if they are whole rows of a picture.
     pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
         match &self.structure {
+            Structure::Kd(tree) => tree.closest_part(rays, hits, width),
             Structure::Bvh8(tree) => tree.closest_part(rays, hits, width),
             Structure::Compact8(tree) => tree.closest_part(rays, hits, width),
             Structure::Eye(around) => around.tree().closest_part(rays, hits, width),
@@ -246,6 +247,7 @@ impl Accel {
     /// [`Self::closest_part`], and what it takes in cycles, about, if that can be said.
     pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Option<u64> {
         match &self.structure {
+            Structure::Kd(tree) => Some(tree.closest_effort(rays, hits)),
             Structure::Bvh8(tree) => Some(tree.closest_effort(rays, hits)),
             Structure::Compact8(tree) => Some(tree.closest_effort(rays, hits)),
             _ => None,
@@ -255,6 +257,7 @@ impl Accel {
     /// [`Self::occluded_part`], likewise.
     pub(crate) fn occluded_effort(&self, rays: &[Ray], occluded: &mut [bool]) -> Option<u64> {
         match &self.structure {
+            Structure::Kd(tree) => Some(tree.occluded_effort(rays, occluded)),
             Structure::Bvh8(tree) => Some(tree.occluded_effort(rays, occluded)),
             Structure::Compact8(tree) => Some(tree.occluded_effort(rays, occluded)),
             _ => None,
@@ -264,6 +267,7 @@ impl Accel {
     /// [`Self::occluded_many`], likewise.
     pub(crate) fn occluded_part(&self, rays: &[Ray], occluded: &mut [bool], width: Option<usize>) {
         match &self.structure {
+            Structure::Kd(tree) => tree.occluded_part(rays, occluded, width),
             Structure::Bvh8(tree) => tree.occluded_part(rays, occluded, width),
             Structure::Compact8(tree) => tree.occluded_part(rays, occluded, width),
             Structure::Eye(around) => around.tree().occluded_part(rays, occluded, width),

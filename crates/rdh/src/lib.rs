@@ -39,6 +39,7 @@ pub mod simd;
 mod soup;
 pub mod spec;
 mod surface;
+mod tile;
 pub mod tune;
 #[cfg(feature = "twin")]
 #[doc(hidden)]

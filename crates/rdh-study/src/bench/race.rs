@@ -235,7 +235,7 @@ fn lanes<'o>(
     // Others cast their batches ray by ray.
     let has_tiles = |ours: &&Ours| match ours.accel.stats().spec.structure {
         StructureSpec::Bvh(bvh) => bvh.width == Width::Eight,
-        StructureSpec::Eye(_) => true,
+        StructureSpec::Kd(_) | StructureSpec::Eye(_) => true,
         _ => false,
     };
     lanes.extend(pool.iter().flat_map(|pool| ours.iter().filter(has_tiles).map(|ours| Lane::batch(ours, pool))));

@@ -40,7 +40,6 @@ pub(crate) use leaves::Leaves;
 pub use leaves::{Copies, Shared};
 pub use spec::{BvhSpec, Effort, SplitSearch, Splitter, Triangles, When, Width};
 pub(crate) use split::{Centres, Search};
-pub(crate) use tile::Windows;
 
 use link::Link;
 
@@ -52,6 +51,7 @@ use crate::mesh::Mesh;
 use crate::parts::{Part, Parts, Written};
 use crate::probe::Probe;
 use crate::simd::{Boxes, Lanes, Level};
+use crate::tile::{Cost, Packed};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles, or indices to the mesh's. Plain arrays
 /// without pointers.
@@ -236,16 +236,16 @@ impl<L: Leaves> Bvh<8, L> {
     /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
     pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
         let cost = self.part::<leaf::Closest>(rays, hits, None);
-        cost.with_others(rays, |ray, counts| self.closest(ray, counts))
+        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.closest(ray, counts))
     }
 
     /// [`Self::occluded`] of each ray, likewise.
     pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
         let cost = self.part::<leaf::Any>(rays, hits, None);
-        cost.with_others(rays, |ray, counts| self.occluded(ray, counts))
+        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.occluded(ray, counts))
     }
 
-    fn part<C: tile::Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> tile::Cost {
+    fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
         let (tree, bytes) = (&self.with_any_leaves(), self.bytes());
         self.level.run(tile::Part::<C> { tree, bytes, rays, answers, width })
     }

@@ -7,8 +7,8 @@ use super::EyeTree;
 use super::effort::Budget;
 use super::spec::EyeForm;
 use super::{shadow, tile};
-use crate::bvh::Windows;
 use crate::geom::{Hit, Ray};
+use crate::tile::Windows;
 
 /// Fewer rays of a kind in a row go one by one: others may make something of more.
 const FEWEST: usize = 16;

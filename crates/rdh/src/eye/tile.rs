@@ -15,9 +15,9 @@ use super::EyeTree;
 use super::effort::{Budget, Effort};
 use super::face::Face;
 use super::walk::{Leaves, WalkSlots};
-use crate::bvh::Windows;
 use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, Vec3, larger, smaller};
 use crate::simd::{Aims, Job, Kernels, Met, Octet, RAYS, Views, step_of};
+use crate::tile::Windows;
 
 /// Octets of a tile.
 const OCTETS: usize = 8;

@@ -1,7 +1,7 @@
 //! The kd-tree: an exact and a binned builder, pruning, 8-byte nodes, leaves of 8-wide blocks.
 //!
 //! `build` grows branches from references (`reference`), candidate planes (`events`, `split`), costs and a stop rule;
-//! `layout` packs them; `trace` walks them; `check` proves them.
+//! `layout` packs them; `trace` walks them, `tile` with many rays at once; `check` proves them.
 
 mod bins;
 pub(crate) mod branch;
@@ -17,6 +17,7 @@ mod shown;
 mod spec;
 mod split;
 pub(crate) mod stop;
+mod tile;
 mod trace;
 
 pub use cost::Costs;
@@ -41,6 +42,7 @@ use crate::options::{BuildOptions, Watch};
 use crate::parts::{Part, Parts, Place, Written};
 use crate::probe::Probe;
 use crate::simd::{Block, Level};
+use crate::tile::{Cost, Packed};
 
 /// A finished kd-tree, with its own copies of the triangles. Plain arrays without pointers.
 #[derive(Debug, Clone)]
@@ -153,6 +155,32 @@ impl KdTree {
         hits.clear();
         self.level.run(trace::Walk::<_, leaf::All<'_>> { tree: self, ray, probe, start: hits });
         leaf::in_order(hits);
+    }
+
+    /// [`Self::closest`] of each ray; `width` is how many rays a row has, if they are whole rows of a picture.
+    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
+        self.part::<leaf::Closest>(rays, hits, width);
+    }
+
+    /// [`Self::occluded`] of each ray.
+    pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
+        self.part::<leaf::Any>(rays, hits, width);
+    }
+
+    /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
+    pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
+        let cost = self.part::<leaf::Closest>(rays, hits, None);
+        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.closest(ray, counts))
+    }
+
+    /// [`Self::occluded`] of each ray, likewise.
+    pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
+        let cost = self.part::<leaf::Any>(rays, hits, None);
+        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.occluded(ray, counts))
+    }
+
+    fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
+        self.level.run(tile::Part::<C> { tree: self, rays, answers, width })
     }
 
     /// The root, in a form of its own since it has no sibling.

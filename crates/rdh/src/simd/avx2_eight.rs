@@ -44,6 +44,11 @@ impl Floats for Wide8 {
     }
 
     #[inline(always)]
+    fn halves(&self) -> [Self; 2] {
+        [*self; 2]
+    }
+
+    #[inline(always)]
     fn set_lane(&mut self, lane: usize, x: f32) {
         // SAFETY: a register in memory is eight floats, aligned to more than they need; any bits are a value of both.
         let lanes: &mut [f32; 8] = unsafe { &mut *std::ptr::from_mut(&mut self.0).cast() };

@@ -33,6 +33,12 @@ impl Floats for Wide16 {
     }
 
     #[inline(always)]
+    fn halves(&self) -> [Wide8; 2] {
+        // SAFETY: see above.
+        unsafe { [Wide8(_mm512_castps512_ps256(self.0)), Wide8(_mm512_extractf32x8_ps::<1>(self.0))] }
+    }
+
+    #[inline(always)]
     fn set_lane(&mut self, lane: usize, x: f32) {
         // SAFETY: a register in memory is sixteen floats, aligned to more than they need; any bits are a value of both.
         let lanes: &mut [f32; 16] = unsafe { &mut *std::ptr::from_mut(&mut self.0).cast() };

@@ -62,6 +62,11 @@ impl Floats for Plain8 {
     }
 
     #[inline(always)]
+    fn halves(&self) -> [Self; 2] {
+        [*self; 2]
+    }
+
+    #[inline(always)]
     fn set_lane(&mut self, lane: usize, x: f32) {
         self.0[lane & 7] = x;
     }

@@ -18,6 +18,9 @@ pub(crate) trait Floats: Copy {
     /// The number in a lane; of lanes beyond the last one, as if they were counted on from the first.
     fn lane(&self, lane: usize) -> f32;
 
+    /// The lower and the upper half of sixteen; of eight, twice all.
+    fn halves(&self) -> [Self::Eight; 2];
+
     /// Puts a number into a lane.
     fn set_lane(&mut self, lane: usize, x: f32);
 
@@ -104,6 +107,20 @@ pub(super) use operations;
 #[inline(always)]
 pub(crate) fn all_lanes<F: Floats>() -> u32 {
     (1 << F::COUNT) - 1
+}
+
+/// Of each of eight, its smallest and its largest lane. No lane may be no number.
+#[inline(always)]
+pub(crate) fn extremes<F: Floats>([a, b, c, d, e, f, g, h]: [&F; 8]) -> [F::Eight; 2] {
+    let halves = [a.halves(), b.halves(), c.halves(), d.halves(), e.halves(), f.halves(), g.halves(), h.halves()];
+    let (mut low, mut high) = (F::Eight::splat(f32::INFINITY), F::Eight::splat(f32::NEG_INFINITY));
+    for half in 0..F::COUNT / 8 {
+        for column in F::Eight::transposed(|i| halves[i & 7][half & 1].lanes()) {
+            low = low.min(column);
+            high = high.max(column);
+        }
+    }
+    [low, high]
 }
 
 /// Without the sign.

@@ -41,6 +41,11 @@ impl<E: Eight> Floats for Two<E> {
     }
 
     #[inline(always)]
+    fn halves(&self) -> [E; 2] {
+        self.0
+    }
+
+    #[inline(always)]
     fn set_lane(&mut self, lane: usize, x: f32) {
         self.0[lane >> 3 & 1].set_lane(lane, x);
     }

@@ -3,8 +3,8 @@
 //! Interval arithmetic for packets as in I. Wald, S. Boulos, P. Shirley: Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
 //! Hierarchies, ACM TOG 26(1), 2007, section 3.2. Here it is eight boxes against one beam, not one box.
 
-use super::packet::{Class, Reach};
 use crate::simd::{Boxes, Eight, Entered, Floats};
+use crate::tile::{Class, Reach};
 
 /// Intervals of origins and reciprocal directions, each end in all lanes.
 #[derive(Debug, Clone, Copy)]

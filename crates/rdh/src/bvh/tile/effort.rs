@@ -4,7 +4,7 @@ use crate::probe::Counts;
 
 /// What a tile has cost, and what its rays would have cost one by one: in cycles, about, of a CPU with AVX2. Only the ratio matters.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     together: u32,
     apart: u32,
 }
@@ -60,7 +60,7 @@ impl Effort {
     }
 
     /// What so many rays cost that go alone and do that all together.
-    pub(super) fn alone(rays: u64, counts: &Counts) -> u64 {
+    pub(crate) fn alone(rays: u64, counts: &Counts) -> u64 {
         u64::from(Self::RAY) * rays + Self::NODE_ALONE * counts.interiors + Self::LEAF_ALONE * counts.leaves
     }
 
@@ -68,35 +68,6 @@ impl Effort {
     #[inline(always)]
     pub(super) fn has_paid(self) -> bool {
         self.together <= self.apart
-    }
-}
-
-/// After tiles that did not pay, more and more windows go without.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Patience {
-    /// Windows to come without a tile.
-    left: u32,
-    /// How many it were the last time.
-    last: u32,
-}
-
-impl Patience {
-    /// At most so many windows go without.
-    const MOST: u32 = 32;
-
-    /// Whether the next window may become a tile.
-    #[inline(always)]
-    pub(super) fn tries(&mut self) -> bool {
-        let tries = self.left == 0;
-        self.left = self.left.saturating_sub(1);
-        tries
-    }
-
-    /// A tile has paid or not.
-    #[inline(always)]
-    pub(super) fn note(&mut self, has_paid: bool) {
-        self.last = if has_paid { 0 } else { (2 * self.last + 1).min(Self::MOST) };
-        self.left = self.last;
     }
 }
 
@@ -115,20 +86,5 @@ mod tests {
         (0..500).for_each(|_| apart.node());
         (0..100).for_each(|_| apart.leaf(1, 0xf));
         assert!(!apart.has_paid());
-    }
-
-    #[test]
-    fn patience_grows_and_is_given_back() {
-        let mut patience = Patience::default();
-        let mut tried = 0;
-        for _ in 0..1000 {
-            if patience.tries() {
-                tried += 1;
-                patience.note(false);
-            }
-        }
-        assert!((30..60).contains(&tried), "{tried}");
-        patience = Patience::default();
-        assert!((0..10).all(|_| patience.tries()));
     }
 }

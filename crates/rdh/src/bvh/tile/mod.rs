@@ -1,119 +1,48 @@
-//! Coherent rays through the tree of eight: tiles of 64, in packets of eight or sixteen side by side.
+//! Coherent rays through the tree of eight, in tiles of 64.
 //!
-//! A tile's rays run in one octant and have one longest axis. The `beam` around them says which children of a node are met at all;
-//! a child's own box is tested against the packets when its turn comes. So most nodes cost a tile little more than they cost a ray.
-//! What the rays hit is what each would hit alone, bit for bit: see `packet`.
+//! The `beam` around a tile's rays says which children of a node are met at all; a child's own box is tested against the packets when its
+//! turn comes. So most nodes cost a tile little more than they cost a ray.
 
 mod beam;
-mod choice;
-mod coherence;
 mod effort;
-mod packet;
 mod part;
 mod sorted;
 mod walk;
-mod windows;
 
-pub(crate) use part::{Cost, Part};
-pub(crate) use windows::Windows;
+pub(crate) use effort::Effort;
+pub(crate) use part::Part;
 
-use crate::geom::{Hit, Ray};
-use crate::leaf::{Any, Closest};
-use crate::simd::{Floats, all_lanes};
+use crate::geom::Ray;
+use crate::simd::Floats;
+use crate::tile::{Choice, Class, Reach, Tile};
 
 use beam::Beam;
-use choice::Choice;
-use effort::Effort;
-use packet::{Class, Loaded, Packet, Reach};
 
-/// Rays of a tile.
-const RAYS: usize = 64;
-/// Packets of a tile, at most: those of eight rays.
-const PACKETS: usize = RAYS / 8;
-
-/// Rays that go through the tree together.
+/// A tile, and the beam around its rays.
 #[derive(Debug, Clone, Copy)]
-struct Tile<R: Floats> {
-    packets: [Packet<R>; PACKETS],
-    /// How many packets hold rays.
-    count: usize,
-    class: Class,
+struct Bundle<R: Floats> {
+    tile: Tile<R>,
     beam: Beam<R::Eight>,
     effort: Effort,
 }
 
-/// A query that tiles can answer.
-pub(crate) trait Packed: crate::leaf::Collector<Start = ()> {
-    /// What is known of a ray when the tile is done.
-    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Self::Output;
-}
-
-impl Packed for Closest {
-    #[inline(always)]
-    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Option<Hit> {
-        packet.closest(lane)
-    }
-}
-
-impl Packed for Any {
-    #[inline(always)]
-    fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> bool {
-        packet.has_hit(lane)
-    }
-}
-
-impl<R: Floats> Tile<R> {
+impl<R: Floats> Bundle<R> {
     /// Without rays.
     #[inline(always)]
     fn empty() -> Self {
-        let class = Class::new(0, 0);
-        let (packets, beam) = ([Packet::empty(); PACKETS], Beam::new(&Reach::<R>::nothing(), class));
-        Self { packets, count: 0, class, beam, effort: Effort::default() }
+        let beam = Beam::new(&Reach::<R>::nothing(), Class::new(0, 0));
+        Self { tile: Tile::empty(), beam, effort: Effort::default() }
     }
 
     /// Takes over rays, if they are usual ones of one class.
     #[inline(always)]
-    fn fill(&mut self, rays: &[Ray], choice: &Choice, magnitude: f32, masks: bool) -> bool {
-        let chosen = choice.rays();
-        let Some(&last) = chosen.last() else { return false };
-        let count = chosen.len().div_ceil(R::COUNT);
-        let mut loaded = [Loaded::<R>::empty(); PACKETS];
-        let lanes = all_lanes::<R>();
-        let (mut usual, mut all, mut some) = (lanes, [lanes; 5], [0; 5]);
-        for (i, packet) in loaded[..count].iter_mut().enumerate() {
-            let ray = |lane: usize| &rays[chosen.get(R::COUNT * i + lane).copied().unwrap_or(last) as usize];
-            *packet = Loaded::new(ray);
-            usual &= packet.usual();
-            let ([x, y, z], [main_x, main_y]) = packet.classes();
-            for (bits, (all, some)) in [x, y, z, main_x, main_y].into_iter().zip(all.iter_mut().zip(&mut some)) {
-                *all &= bits;
-                *some |= bits;
-            }
-        }
-        if usual != lanes || (0..5).any(|i| all[i] != lanes && some[i] != 0) {
+    fn fill(&mut self, rays: &[Ray], choice: &Choice, tree: (f32, bool)) -> bool {
+        let mut reach = Reach::nothing();
+        if !self.tile.fill(rays, choice, tree, &mut reach) {
             return false;
         }
-        let down = (all[0] & 1) | (all[1] & 1) << 1 | (all[2] & 1) << 2;
-        let main = if all[3] != 0 {
-            0
-        } else if all[4] != 0 {
-            1
-        } else {
-            2
-        };
-        self.class = Class::new(down, main);
-        self.count = count;
-        self.effort = Effort::of(chosen.len());
-        let mut reach = Reach::nothing();
-        for (i, packet) in self.packets[..count].iter_mut().enumerate() {
-            let filled = (chosen.len() - R::COUNT * i).min(R::COUNT);
-            packet.fill(&loaded[i], (1 << filled) - 1, self.class, magnitude, &mut reach);
-            if masks {
-                let chosen = &chosen[R::COUNT * i..];
-                packet.see(|lane| chosen.get(lane).map_or(0, |&ray| rays[ray as usize].mask));
-            }
-        }
-        self.beam = Beam::new(&reach, self.class);
+        self.effort = Effort::of(choice.rays().len());
+        self.beam = Beam::new(&reach, self.tile.class);
         true
     }
 }
@@ -122,6 +51,8 @@ impl<R: Floats> Tile<R> {
 mod tests {
     use super::*;
     use crate::bvh::{Bvh, BvhSpec, Copies};
+    use crate::geom::Hit;
+    use crate::leaf::{Any, Closest};
     use crate::simd::{Job, Kernels, Level, Two};
     use crate::{BuildOptions, Mesh};
 
@@ -140,18 +71,21 @@ mod tests {
     impl Alone<'_> {
         #[inline(always)]
         fn find<K: Kernels, R: Floats<Eight = K::Eight>>(&self) -> Option<Vec<Option<Hit>>> {
-            let masks = self.0.masks.is_some();
-            let mut tile = Tile::<R>::empty();
-            if !tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, masks) {
+            let (tree, choice) = ((self.0.magnitude, self.0.masks.is_some()), Choice::run(0, self.1.len()));
+            let mut bundle = Bundle::<R>::empty();
+            if !bundle.fill(self.1, &choice, tree) {
                 return None;
             }
-            tile.walk::<K, Closest>(&self.0.with_any_leaves());
-            let hits: Vec<_> =
-                (0..self.1.len()).map(|i| Closest::read(&tile.packets[i / R::COUNT], i % R::COUNT)).collect();
-            assert!(tile.fill(self.1, &Choice::run(0, self.1.len()), self.0.magnitude, masks));
-            tile.walk::<K, Any>(&self.0.with_any_leaves());
-            let any = (0..self.1.len()).map(|i| Any::read(&tile.packets[i / R::COUNT], i % R::COUNT));
-            assert!(any.eq(hits.iter().map(Option::is_some)), "any hit is found where the nearest one is");
+            bundle.walk::<K, Closest>(&self.0.with_any_leaves());
+            let (mut hits, mut any) = (vec![None; self.1.len()], vec![false; self.1.len()]);
+            bundle.tile.read::<Closest>(choice.rays(), &mut hits);
+            assert!(bundle.fill(self.1, &choice, tree));
+            bundle.walk::<K, Any>(&self.0.with_any_leaves());
+            bundle.tile.read::<Any>(choice.rays(), &mut any);
+            assert!(
+                any.iter().copied().eq(hits.iter().map(Option::is_some)),
+                "any hit is found where the nearest one is"
+            );
             Some(hits)
         }
     }

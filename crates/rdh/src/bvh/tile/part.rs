@@ -3,18 +3,16 @@
 
 use std::mem;
 
-use super::coherence::{Extent, are_unordered};
-use super::effort::{Effort, Patience};
+use super::Bundle;
 use super::sorted::{self, makes_neighbours, sorted};
-use super::{Choice, Packed, RAYS, Tile, Windows};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
 use crate::bvh::recent::Recent;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
-use crate::probe::Counts;
 use crate::simd::{Floats, Job, Kernels, prefetch};
+use crate::tile::{Choices, Cost, Next, Others, Packed, are_unordered};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
@@ -27,30 +25,6 @@ pub(crate) struct Part<'a, C: Packed> {
     pub(crate) width: Option<usize>,
 }
 
-/// What a part has cost.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Cost {
-    /// What tiles took, in cycles of a CPU with AVX2, about.
-    cycles: u64,
-    /// Rays that were cast otherwise.
-    others: usize,
-}
-
-/// One ray in so many tells what rays cost that go alone.
-const ONE_IN: usize = 16;
-
-impl Cost {
-    /// All of it, in cycles, with what `cast` counts for some rays.
-    pub(crate) fn with_others<A>(self, rays: &[Ray], cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
-        let (mut counts, mut few) = (Counts::default(), 0);
-        for ray in rays.iter().step_by(ONE_IN).take(self.others) {
-            cast(ray, &mut counts);
-            few += 1;
-        }
-        self.cycles + Effort::alone(few, &counts) * self.others as u64 / few.max(1)
-    }
-}
-
 impl<C: Packed> Job for Part<'_, C> {
     type Output = Cost;
 
@@ -59,30 +33,25 @@ impl<C: Packed> Job for Part<'_, C> {
     fn run<K: Kernels>(mut self) -> Cost {
         let mut sorts = self.sorts();
         let mut turns_pay = if self.tries_turns(sorts) { None } else { Some(false) };
-        let mut tiles = Tiles {
-            tile: Tile::<K::Rays>::empty(),
-            extent: Extent::of(&self.tree.bounds),
-            windows: Windows::new(self.rays.len(), self.width),
-            patience: Patience::default(),
-            mixed: None,
-            cost: Cost::default(),
-        };
-        let mut others = Others { rays: [0; OTHERS], count: 0 };
+        let has_tiles = K::PACKETS && self.tree.scale.factor() == 1.0;
+        let choices = Choices::new(self.rays.len(), self.width, &self.tree.bounds, has_tiles);
+        let mut tiles = Tiles { bundle: Bundle::<K::Rays>::empty(), choices, cost: Cost::default() };
+        let mut others = Others::none();
         let mut done = false;
         while !done {
-            let now = turns_pay == Some(false) && tiles.mixed.is_none() && mem::take(&mut sorts);
-            let all = if now { sorted(self.rays, tiles.windows.from()) } else { None };
+            let now = turns_pay == Some(false) && tiles.choices.is_between_windows() && mem::take(&mut sorts);
+            let all = if now { sorted(self.rays, tiles.choices.from()) } else { None };
             let which = match &all {
                 Some(all) => &all[..],
                 None => {
                     self.cast_tiles::<K>(&mut tiles, &mut others);
-                    &others.rays[..others.count]
+                    others.rays()
                 }
             };
             self.cast_others(which, all.is_some(), &mut turns_pay);
             tiles.cost.others += which.len();
-            done = all.is_some() || tiles.mixed.is_none() && tiles.windows.is_empty();
-            others.count = 0;
+            done = all.is_some() || tiles.choices.is_empty();
+            others.clear();
         }
         tiles.cost
     }
@@ -90,23 +59,11 @@ impl<C: Packed> Job for Part<'_, C> {
 
 /// What becomes of a part, window by window.
 struct Tiles<R: Floats> {
-    tile: Tile<R>,
-    extent: Extent,
-    windows: Windows,
-    patience: Patience,
-    /// What is left of a window whose rays are of more classes than one.
-    mixed: Option<Choice>,
+    bundle: Bundle<R>,
+    choices: Choices,
     cost: Cost,
 }
 
-/// Rays that make no tile wait here until there are enough of them to take turns.
-struct Others {
-    rays: [u32; OTHERS],
-    count: usize,
-}
-
-/// So many rays wait, so that few turns are left empty at their end.
-const OTHERS: usize = 16 * RAYS;
 /// A structure up to this size stays in a core's caches or nearly: no turns.
 const LARGE: usize = 2 << 20;
 /// A structure beyond this size does not stay in the caches that cores share: turns come before sorting.
@@ -115,8 +72,6 @@ const HUGE: usize = 128 << 20;
 const SAMPLE: usize = 256;
 /// So many rays ahead memory is asked for.
 const SOON: usize = 4;
-/// A tile of fewer rays is not worth it.
-const FEWEST: usize = 16;
 
 impl<C: Packed> Part<'_, C> {
     /// Whether rays have no order, and are enough to be given one.
@@ -135,44 +90,22 @@ impl<C: Packed> Part<'_, C> {
     /// Casts what makes tiles, until there are enough others or no rays are left.
     #[inline(always)]
     fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Rays>, others: &mut Others) {
-        let Tiles { tile, extent, windows, patience, mixed, cost } = tiles;
-        let (has_tiles, masks) = (K::PACKETS && self.tree.scale.factor() == 1.0, self.tree.masks.is_some());
-        while others.count <= OTHERS - RAYS {
-            let is_class = mixed.is_some();
-            let choice = match mixed.take() {
-                Some(choice) => {
-                    let (class, rest) = choice.first_class(self.rays);
-                    *mixed = (!rest.rays().is_empty()).then_some(rest);
-                    class
+        let (Tiles { bundle, choices, cost }, tree) = (tiles, (self.tree.magnitude, self.tree.masks.is_some()));
+        while !others.are_enough() {
+            match choices.next(self.rays) {
+                Next::End => return,
+                Next::Others(choice) => others.add(choice.rays()),
+                Next::Tile(choice) if bundle.fill(self.rays, &choice, tree) => {
+                    bundle.walk::<K, C>(self.tree);
+                    bundle.tile.read::<C>(choice.rays(), self.answers);
+                    choices.has_paid(bundle.effort.has_paid());
+                    cost.cycles += bundle.effort.cycles();
                 }
-                None => windows.next(),
-            };
-            let which = choice.rays();
-            if which.is_empty() {
-                return;
-            }
-            let may = has_tiles && which.len() >= FEWEST;
-            let suits = may && (is_class || extent.is_coherent(self.rays, which) && patience.tries());
-            if suits && tile.fill(self.rays, &choice, self.tree.magnitude, masks) {
-                tile.walk::<K, C>(self.tree);
-                self.read(tile, which);
-                patience.note(tile.effort.has_paid());
-                cost.cycles += tile.effort.cycles();
-            } else if suits && !is_class {
-                *mixed = Some(choice);
-            } else {
-                others.rays[others.count..][..which.len()].copy_from_slice(which);
-                others.count += which.len();
-            }
-        }
-    }
-
-    /// Writes down what a tile's rays have found.
-    #[inline(always)]
-    fn read<R: Floats>(&mut self, tile: &Tile<R>, which: &[u32]) {
-        for (packet, rays) in tile.packets.iter().zip(which.chunks(R::COUNT)) {
-            for (lane, &ray) in rays.iter().enumerate() {
-                self.answers[ray as usize] = C::read(packet, lane);
+                Next::Tile(choice) => {
+                    if let Some(choice) = choices.failed(choice) {
+                        others.add(choice.rays());
+                    }
+                }
             }
         }
     }

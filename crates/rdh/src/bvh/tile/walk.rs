@@ -1,7 +1,6 @@
 //! A tile's way through the tree: nearest boxes first, without recursion or allocation.
 
-use super::packet::{Leaf, Planes};
-use super::{PACKETS, Tile};
+use super::Bundle;
 use crate::bvh::Bvh;
 use crate::bvh::leaves::{AnyLeaves, Corners};
 use crate::bvh::link::Link;
@@ -9,6 +8,7 @@ use crate::bvh::trace::STACK;
 use crate::leaf::Collector;
 use crate::mem::{Slots, Stack};
 use crate::simd::{Entered, Floats, Kernels};
+use crate::tile::{Leaf, PACKETS, Planes};
 
 /// A child to be visited: where the beam enters its box, and which packets may meet it.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +20,7 @@ struct Entry {
     last: u8,
 }
 
-impl<R: Floats> Tile<R> {
+impl<R: Floats> Bundle<R> {
     /// Leads the tile through the tree.
     #[inline(always)]
     pub(super) fn walk<K: Kernels<Eight = R::Eight>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) {
@@ -28,7 +28,7 @@ impl<R: Floats> Tile<R> {
         let mut stack = slots.stack();
         let mut scratch = bytemuck::Zeroable::zeroed();
         let mut t = Entered([0.0; 8]);
-        let root = Entry { t: f32::NEG_INFINITY, node: 0, lane: 0, first: 0, last: (self.count - 1) as u8 };
+        let root = Entry { t: f32::NEG_INFINITY, node: 0, lane: 0, first: 0, last: (self.tile.count - 1) as u8 };
         self.enter::<C>(tree, root, 0, &mut stack, &mut t);
         while let Some(entry) = stack.pop() {
             if entry.t > self.beam.end() {
@@ -36,7 +36,7 @@ impl<R: Floats> Tile<R> {
             }
             let boxes = &tree.nodes[entry.node as usize];
             let link = Link(boxes.links[usize::from(entry.lane) & 7]);
-            let planes = Planes::new(boxes, usize::from(entry.lane), self.class);
+            let planes = Planes::new(boxes, usize::from(entry.lane), self.tile.class);
             if link.is_leaf() {
                 let block = tree.leaves.corners::<K>(link.block(), &mut scratch);
                 let leaf = Leaf { block, wanted: link.lanes(), masks: tree.masks.as_deref() };
@@ -51,13 +51,13 @@ impl<R: Floats> Tile<R> {
     /// The same for the packets from the first to the last that meet the box; nothing if there are none.
     #[inline(always)]
     fn narrow(&self, planes: &Planes<R>, mut entry: Entry) -> Option<Entry> {
-        while self.packets[usize::from(entry.first) & (PACKETS - 1)].meet(planes) == 0 {
+        while self.tile.packets[usize::from(entry.first) & (PACKETS - 1)].meet(planes) == 0 {
             if entry.first == entry.last {
                 return None;
             }
             entry.first += 1;
         }
-        while entry.first < entry.last && self.packets[usize::from(entry.last) & (PACKETS - 1)].meet(planes) == 0 {
+        while entry.first < entry.last && self.tile.packets[usize::from(entry.last) & (PACKETS - 1)].meet(planes) == 0 {
             entry.last -= 1;
         }
         Some(entry)
@@ -92,20 +92,20 @@ impl<R: Floats> Tile<R> {
     fn test<C: Collector>(&mut self, leaf: &Leaf<'_>, planes: &Planes<R>, entry: Entry) {
         let mut moved = false;
         self.effort.boxes(u32::from(entry.last - entry.first) + 1);
-        for packet in &mut self.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
+        for packet in &mut self.tile.packets[usize::from(entry.first)..=usize::from(entry.last) & (PACKETS - 1)] {
             let rays = packet.meet(planes);
             if rays != 0 {
                 self.effort.leaf(rays, leaf.wanted);
                 moved |= if C::ANY {
-                    packet.test::<true>(leaf, rays, self.class)
+                    packet.test::<true>(leaf, rays, self.tile.class)
                 } else {
-                    packet.test::<false>(leaf, rays, self.class)
+                    packet.test::<false>(leaf, rays, self.tile.class)
                 };
             }
         }
         if moved {
             let mut ends = R::splat(f32::NEG_INFINITY);
-            for packet in &self.packets[..self.count] {
+            for packet in &self.tile.packets[..self.tile.count] {
                 ends = ends.max(packet.end);
             }
             self.beam.end_at(ends);

@@ -3,14 +3,14 @@
 //! Boxes get the constants of single rays, so that what is said of those (docs/watertight.md, section 4) holds lane by lane; triangles
 //! are sifted by the operations of single rays, and what is left goes through THE triangle test, side by side as well.
 
-use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
+use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId, larger};
 use crate::simd::{Block, Boxes, Eight, Floats, Hits, LANES, Sifted, all_lanes, reached_side_by_side, sheared, size};
 
 /// What rays of a tile have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Class {
+pub(crate) struct Class {
     /// A bit an axis: 1 where they run down the axis.
-    pub(super) down: u32,
+    pub(crate) down: u32,
     /// The axes of their frames.
     axes: [usize; 3],
 }
@@ -18,20 +18,20 @@ pub(super) struct Class {
 impl Class {
     /// Rays that run down some axes, and along one most.
     #[inline(always)]
-    pub(super) fn new(down: u32, main: usize) -> Self {
+    pub(crate) fn new(down: u32, main: usize) -> Self {
         Self { down, axes: [[1, 2, 0], [2, 0, 1], [0, 1, 2]][main.min(2)] }
     }
 
     /// 1 where they meet a box's upper plane first.
     #[inline(always)]
-    pub(super) fn near(self, axis: usize) -> usize {
+    pub(crate) fn near(self, axis: usize) -> usize {
         (self.down >> axis & 1) as usize
     }
 }
 
 /// Origins, directions and intervals of a packet's rays, axis by axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Loaded<R> {
+pub(crate) struct Loaded<R> {
     origin: [R; 3],
     direction: [R; 3],
     t_min: R,
@@ -41,21 +41,21 @@ pub(super) struct Loaded<R> {
 impl<R: Floats> Loaded<R> {
     /// No rays.
     #[inline(always)]
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let zero = R::splat(0.0);
         Self { origin: [zero; 3], direction: [zero; 3], t_min: zero, t_max: zero }
     }
 
     /// Rays, by their lanes.
     #[inline(always)]
-    pub(super) fn new<'a>(ray: impl Fn(usize) -> &'a Ray) -> Self {
+    pub(crate) fn new<'a>(ray: impl Fn(usize) -> &'a Ray) -> Self {
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = R::transposed(|lane| ray(lane).numbers());
         Self { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
     }
 
     /// Rays that need no care: valid, neither far away nor of extreme length.
     #[inline(always)]
-    pub(super) fn usual(&self) -> u32 {
+    pub(crate) fn usual(&self) -> u32 {
         let (far, long) = (R::splat(PlaneFrame::FAR.next_down()), R::splat(PlaneFrame::LONG));
         let [ox, oy, oz] = [size(self.origin[0]), size(self.origin[1]), size(self.origin[2])];
         let [dx, dy, dz] = [size(self.direction[0]), size(self.direction[1]), size(self.direction[2])];
@@ -68,7 +68,7 @@ impl<R: Floats> Loaded<R> {
 
     /// Rays that run down the axes, and those that move most along x and along y; all others do along z.
     #[inline(always)]
-    pub(super) fn classes(&self) -> ([u32; 3], [u32; 2]) {
+    pub(crate) fn classes(&self) -> ([u32; 3], [u32; 2]) {
         let [x, y, z] = self.direction;
         let down = [x.signs(), y.signs(), z.signs()];
         let (x, y, z) = (size(x), size(y), size(z));
@@ -81,12 +81,12 @@ impl<R: Floats> Loaded<R> {
 /// Some rays, and what they have hit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet<R> {
-    pub(super) inverse: [R; 3],
+    pub(crate) inverse: [R; 3],
     enters: [R; 3],
     leaves: [R; 3],
-    pub(super) t_min: R,
+    pub(crate) t_min: R,
     /// Where they end: at their nearest hits. Rays that are done, and lanes without one, end before everything.
-    pub(super) end: R,
+    pub(crate) end: R,
     aim: Aim<R>,
     u: R,
     v: R,
@@ -194,15 +194,24 @@ fn spread<R: Floats>(x: &R, lane: usize) -> R::Eight {
 
 /// A box, each plane in all lanes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Planes<R> {
+pub(crate) struct Planes<R> {
     near: [R; 3],
     far: [R; 3],
 }
 
 impl<R: Floats> Planes<R> {
+    /// Of a box whose `near` planes rays meet first.
+    #[inline(always)]
+    pub(crate) fn of(near: &[f32; 3], far: &[f32; 3]) -> Self {
+        Self {
+            near: [R::splat(near[0]), R::splat(near[1]), R::splat(near[2])],
+            far: [R::splat(far[0]), R::splat(far[1]), R::splat(far[2])],
+        }
+    }
+
     /// A box of a node, for rays of a class.
     #[inline(always)]
-    pub(super) fn new(boxes: &Boxes<8>, lane: usize, class: Class) -> Self {
+    pub(crate) fn new(boxes: &Boxes<8>, lane: usize, class: Class) -> Self {
         let (x, y, z) = (class.near(0), class.near(1), class.near(2));
         Self {
             near: [plane(boxes, x, 0, lane), plane(boxes, y, 1, lane), plane(boxes, z, 2, lane)],
@@ -218,17 +227,17 @@ fn plane<R: Floats>(boxes: &Boxes<8>, side: usize, axis: usize, lane: usize) -> 
 
 /// What the rays' boxes reach, of one packet or several.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach<R> {
-    pub(super) inverse: [(R, R); 3],
-    pub(super) origin: [(R, R); 3],
-    pub(super) t_min: R,
-    pub(super) t_max: R,
+pub(crate) struct Reach<R> {
+    pub(crate) inverse: [(R, R); 3],
+    pub(crate) origin: [(R, R); 3],
+    pub(crate) t_min: R,
+    pub(crate) t_max: R,
 }
 
 impl<R: Floats> Reach<R> {
     /// Of no rays.
     #[inline(always)]
-    pub(super) fn nothing() -> Self {
+    pub(crate) fn nothing() -> Self {
         let (low, high) = (R::splat(f32::NEG_INFINITY), R::splat(f32::INFINITY));
         let none = (high, low);
         Self { inverse: [none; 3], origin: [none; 3], t_min: high, t_max: low }
@@ -238,7 +247,7 @@ impl<R: Floats> Reach<R> {
 impl<R: Floats> Packet<R> {
     /// Nothing but empty lanes.
     #[inline(always)]
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         let zero = R::splat(0.0);
         let depths = Limits { nearest: zero, farthest: zero };
         let aim = Aim { origin: [zero; 3], shear: [zero; 2], direction_z: zero, t_min: zero, depths };
@@ -250,7 +259,7 @@ impl<R: Floats> Packet<R> {
 
     /// Takes over usual rays of one class; `filled` lanes hold one, the others repeat one. Widens what is reached.
     #[inline(always)]
-    pub(super) fn fill(&mut self, rays: &Loaded<R>, filled: u32, class: Class, magnitude: f32, reach: &mut Reach<R>) {
+    pub(crate) fn fill(&mut self, rays: &Loaded<R>, filled: u32, class: Class, magnitude: f32, reach: &mut Reach<R>) {
         let [ox, oy, oz] = rays.origin;
         let size_of_origin = size(ox).max(size(oy)).max(size(oz));
         let slack = size_of_origin.add(R::splat(magnitude)).mul(R::splat(1.0 / (1 << 21) as f32));
@@ -288,15 +297,25 @@ impl<R: Floats> Packet<R> {
     }
 
     /// Takes over the rays' masks.
-    pub(super) fn see(&mut self, mask: impl Fn(usize) -> u32) {
+    pub(crate) fn see(&mut self, mask: impl Fn(usize) -> u32) {
         for lane in 0..R::COUNT {
             self.masks.set_lane(lane, f32::from_bits(mask(lane)));
         }
     }
 
+    /// Where the last of its rays ends.
+    #[inline(always)]
+    pub(crate) fn last_end(&self) -> f32 {
+        let mut last = f32::NEG_INFINITY;
+        for lane in 0..R::COUNT {
+            last = larger(self.end.lane(lane), last);
+        }
+        last
+    }
+
     /// The rays that meet a box, a bit a lane.
     #[inline(always)]
-    pub(super) fn meet(&self, planes: &Planes<R>) -> u32 {
+    pub(crate) fn meet(&self, planes: &Planes<R>) -> u32 {
         let (near, far) = (&planes.near, &planes.far);
         let (inverse, enters, leaves) = (&self.inverse, &self.enters, &self.leaves);
         let (near_x, far_x) = (near[0].mul_add(inverse[0], enters[0]), far[0].mul_add(inverse[0], leaves[0]));
@@ -309,13 +328,13 @@ impl<R: Floats> Packet<R> {
 
     /// Whether a ray has hit something.
     #[inline(always)]
-    pub(super) fn has_hit(&self, lane: usize) -> bool {
+    pub(crate) fn has_hit(&self, lane: usize) -> bool {
         self.hit >> (lane & (R::COUNT - 1)) & 1 == 1
     }
 
     /// What a ray has hit.
     #[inline(always)]
-    pub(super) fn closest(&self, lane: usize) -> Option<Hit> {
+    pub(crate) fn closest(&self, lane: usize) -> Option<Hit> {
         if !self.has_hit(lane) {
             return None;
         }
@@ -326,17 +345,17 @@ impl<R: Floats> Packet<R> {
 }
 
 /// A leaf's triangles and what decides about them.
-pub(super) struct Leaf<'a> {
-    pub(super) block: &'a Block,
-    pub(super) wanted: u32,
-    pub(super) masks: Option<&'a [u32]>,
+pub(crate) struct Leaf<'a> {
+    pub(crate) block: &'a Block,
+    pub(crate) wanted: u32,
+    pub(crate) masks: Option<&'a [u32]>,
 }
 
 impl<R: Floats> Packet<R> {
     /// Tests the `rays` against a leaf, all triangles one after the other for all rays, or all rays one after the other for all
     /// triangles. Whether a ray ends earlier.
     #[inline(always)]
-    pub(super) fn test<const ANY: bool>(&mut self, leaf: &Leaf<'_>, rays: u32, class: Class) -> bool {
+    pub(crate) fn test<const ANY: bool>(&mut self, leaf: &Leaf<'_>, rays: u32, class: Class) -> bool {
         if rays.count_ones() < leaf.wanted.count_ones() {
             self.test_rays::<ANY>(leaf, rays, class)
         } else {

@@ -18,12 +18,12 @@ impl Windows {
     }
 
     /// The first ray that is left, or that of the row whose rays are handed out.
-    pub(super) fn from(&self) -> usize {
+    pub(crate) fn from(&self) -> usize {
         self.from
     }
 
     /// Whether there are no more rays.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.from >= self.count
     }
 

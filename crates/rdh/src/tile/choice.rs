@@ -16,7 +16,7 @@ impl Choice {
 
     /// Rays that follow each other, up to 64.
     #[inline(always)]
-    pub(super) fn run(from: usize, count: usize) -> Self {
+    pub(crate) fn run(from: usize, count: usize) -> Self {
         let mut choice = Self::NONE;
         for (i, ray) in choice.rays[..count.min(RAYS)].iter_mut().enumerate() {
             *ray = (from + i) as u32;
@@ -27,7 +27,7 @@ impl Choice {
 
     /// Eight rows of up to eight rays, in Morton order, so that packets are compact.
     #[inline(always)]
-    pub(super) fn square(from: usize, width: usize, columns: usize) -> Self {
+    pub(crate) fn square(from: usize, width: usize, columns: usize) -> Self {
         let mut choice = Self::NONE;
         for i in 0..RAYS {
             let (x, y) = (i & 1 | i >> 1 & 2 | i >> 2 & 4, i >> 1 & 1 | i >> 2 & 2 | i >> 3 & 4);
@@ -44,7 +44,7 @@ impl Choice {
     }
 
     /// Those that are of the first one's class, and the others.
-    pub(super) fn first_class(&self, rays: &[Ray]) -> (Self, Self) {
+    pub(crate) fn first_class(&self, rays: &[Ray]) -> (Self, Self) {
         let first = self.rays().first().map(|&ray| class(&rays[ray as usize]));
         let (mut same, mut others) = (Self::NONE, Self::NONE);
         for &ray in self.rays() {

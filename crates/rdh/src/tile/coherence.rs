@@ -13,17 +13,17 @@ const JUMP: f32 = 1.0 / 8.0;
 
 /// How large a structure is, to those who ask how far apart rays are.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Extent(f32);
+pub(crate) struct Extent(f32);
 
 impl Extent {
     /// That of a box.
-    pub(super) fn of(bounds: &Aabb) -> Self {
+    pub(crate) fn of(bounds: &Aabb) -> Self {
         Self((0..3).map(|a| bounds.max[a] - bounds.min[a]).fold(0.0, f32::max))
     }
 
     /// Whether rays probably stay together: by the first, the last, and two in between. What is no number stays with nobody.
     #[inline(always)]
-    pub(super) fn is_coherent(self, rays: &[Ray], which: &[u32]) -> bool {
+    pub(crate) fn is_coherent(self, rays: &[Ray], which: &[u32]) -> bool {
         let last = which.len() - 1;
         let ray = |i: usize| &rays[which[i] as usize];
         let some = [ray(0), ray(last / 3), ray(last - last / 3), ray(last)];
@@ -34,7 +34,7 @@ impl Extent {
 }
 
 /// Whether most of some rays start about as far from the next one as from any other; `ray` tells them by number.
-pub(super) fn are_unordered<'a>(count: usize, ray: impl Fn(usize) -> &'a Ray) -> bool {
+pub(crate) fn are_unordered<'a>(count: usize, ray: impl Fn(usize) -> &'a Ray) -> bool {
     let step = count / SAMPLES;
     if step < 2 {
         return false;

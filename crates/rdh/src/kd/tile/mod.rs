@@ -1,0 +1,141 @@
+//! Coherent rays through the kd-tree, in tiles of 64.
+//!
+//! Packets as in I. Wald: Realtime Ray Tracing and Interactive Global Illumination, dissertation, 2004, section 7.2, but a beam around each
+//! packet walks in its place (as in A. Reshetov, A. Soupikov, J. Hurley: Multi-Level Ray Tracing Algorithm, SIGGRAPH 2005), the beams of
+//! all packets side by side: a node costs a tile little more than it costs a ray. The rays themselves are asked at leaves alone, which of
+//! them meets the cell.
+
+mod beams;
+mod effort;
+mod part;
+mod walk;
+
+pub(crate) use effort::Effort;
+pub(super) use part::Part;
+
+use crate::geom::Ray;
+use crate::simd::Floats;
+use crate::tile::{Choice, PACKETS, Reach, Tile};
+
+use beams::Beams;
+
+/// A tile, and the beams around its packets.
+struct Bundle<R: Floats> {
+    tile: Tile<R>,
+    reaches: [Reach<R>; PACKETS],
+    beams: Beams<R::Eight>,
+    effort: Effort,
+}
+
+impl<R: Floats> Bundle<R> {
+    /// Without rays.
+    #[inline(always)]
+    fn empty() -> Self {
+        let reaches = [Reach::nothing(); PACKETS];
+        Self { tile: Tile::empty(), beams: Beams::none(), reaches, effort: Effort::default() }
+    }
+
+    /// Takes over rays, if they are usual ones of one class.
+    #[inline(always)]
+    fn fill(&mut self, rays: &[Ray], choice: &Choice, tree: (f32, bool)) -> bool {
+        self.reaches = [Reach::nothing(); PACKETS];
+        if !self.tile.fill(rays, choice, tree, &mut self.reaches) {
+            return false;
+        }
+        self.effort = Effort::of(choice.rays().len());
+        self.beams = Beams::new(&self.reaches, self.tile.class);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::{Hit, Vec3};
+    use crate::heuristic::Sah;
+    use crate::kd::{KdSpec, KdTree};
+    use crate::leaf::{Any, Closest};
+    use crate::simd::{Job, Kernels, Level, Two};
+    use crate::soup::{numbers, soup};
+    use crate::{BuildOptions, Mesh};
+
+    /// What a tile finds, if it is one: in packets as the level has them, and in those of eight and of sixteen rays.
+    struct Alone<'a>(&'a KdTree, &'a [Ray]);
+
+    impl Job for Alone<'_> {
+        type Output = [Option<Vec<Option<Hit>>>; 3];
+
+        #[inline(always)]
+        fn run<K: Kernels>(self) -> Self::Output {
+            [self.find::<K::Rays>(), self.find::<K::Eight>(), self.find::<Two<K::Eight>>()]
+        }
+    }
+
+    impl Alone<'_> {
+        #[inline(always)]
+        fn find<R: Floats>(&self) -> Option<Vec<Option<Hit>>> {
+            let (tree, choice) = ((self.0.magnitude, self.0.masks.is_some()), Choice::run(0, self.1.len()));
+            let mut bundle = Bundle::<R>::empty();
+            if !bundle.fill(self.1, &choice, tree) {
+                return None;
+            }
+            bundle.walk::<Closest>(self.0);
+            let (mut hits, mut any) = (vec![None; self.1.len()], vec![false; self.1.len()]);
+            bundle.tile.read::<Closest>(choice.rays(), &mut hits);
+            assert!(bundle.fill(self.1, &choice, tree));
+            bundle.walk::<Any>(self.0);
+            bundle.tile.read::<Any>(choice.rays(), &mut any);
+            assert!(
+                any.iter().copied().eq(hits.iter().map(Option::is_some)),
+                "any hit is found where the nearest one is"
+            );
+            Some(hits)
+        }
+    }
+
+    fn tree(mesh: &Mesh) -> KdTree {
+        KdTree::build(mesh, &KdSpec::default(), &Sah, &BuildOptions::default()).expect("it builds")
+    }
+
+    /// Rays of one octant: from about a point, into a narrow cone or a wide one.
+    fn fan(count: usize, [origin, toward]: [Vec3; 2], spread: f32, number: &mut impl FnMut() -> f32) -> Vec<Ray> {
+        let mut beside = |at: Vec3, by: f32| at.map(|x| x + by * number());
+        (0..count)
+            .map(|_| {
+                let direction = beside(toward, spread);
+                let same = |a: usize| direction[a].abs().copysign(toward[a]);
+                Ray::new(beside(origin, 0.1 * spread), [same(0), same(1), same(2)])
+            })
+            .collect()
+    }
+
+    #[test]
+    fn tiles_find_what_rays_find() {
+        let mut number = numbers(3);
+        let mesh = soup(3_000, 0.1);
+        let masks = (0..mesh.len() as u32).map(|i| 1 << (i % 3)).collect();
+        let (tree, masked) = (tree(&mesh), tree(&mesh.with_masks(masks).expect("a mask a triangle")));
+        let (mut hits, mut tiles) = (0, 0);
+        for count in [1, 7, 8, 9, 40, 64] {
+            for spread in [0.0, 0.01, 0.1, 0.4] {
+                for _ in 0..12 {
+                    let place = [[number(), number(), number()], [number(), number(), number()]];
+                    let mut rays = fan(count, place, spread, &mut number);
+                    rays.iter_mut().enumerate().for_each(|(i, ray)| ray.mask = [1, 2, 7][i % 3]);
+                    rays.iter_mut().step_by(5).for_each(|ray| *ray = ray.within(0.1, 0.7));
+                    for tree in [&tree, &masked] {
+                        let expected: Vec<_> = rays.iter().map(|ray| tree.closest(ray, &mut ())).collect();
+                        hits += expected.iter().flatten().count();
+                        for level in Level::available() {
+                            for found in level.run(Alone(tree, &rays)).into_iter().flatten() {
+                                assert_eq!(found, expected, "{count} rays, {spread}, {}", level.name());
+                                tiles += 1;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(hits > 2_000 && tiles > 3_000, "{hits} hits of {tiles} tiles");
+    }
+}

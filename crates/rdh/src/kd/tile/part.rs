@@ -1,0 +1,78 @@
+//! A part of a batch, as one thread casts it: in tiles where rays are coherent and tiles pay, else one by one.
+
+use super::Bundle;
+use crate::geom::Ray;
+use crate::kd::KdTree;
+use crate::kd::trace::Walk;
+use crate::simd::{Job, Kernels};
+use crate::tile::{Choices, Cost, Next, Others, Packed};
+
+/// Rays, and where their answers go: as many.
+pub(crate) struct Part<'a, C: Packed> {
+    pub(crate) tree: &'a KdTree,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) answers: &'a mut [C::Output],
+    /// How many rays a row has, if the rays are rows of a picture.
+    pub(crate) width: Option<usize>,
+}
+
+impl<C: Packed> Job for Part<'_, C> {
+    type Output = Cost;
+
+    /// One loop, so that tiles are compiled once: all of theirs is inlined here, where the level's instructions are known.
+    #[inline(always)]
+    fn run<K: Kernels>(self) -> Cost {
+        let Self { tree, rays, answers, width } = self;
+        let has_tiles = K::PACKETS && tree.scale.factor() == 1.0;
+        let mut choices = Choices::new(rays.len(), width, &tree.bounds, has_tiles);
+        let (mut bundle, about) = (Bundle::<K::Rays>::empty(), (tree.magnitude, tree.masks.is_some()));
+        let (mut cost, mut others) = (Cost::default(), Others::none());
+        loop {
+            let next = choices.next(rays);
+            let is_end = matches!(next, Next::End);
+            match next {
+                Next::End => {}
+                Next::Others(choice) => others.add(choice.rays()),
+                Next::Tile(choice) if bundle.fill(rays, &choice, about) => {
+                    bundle.walk::<C>(tree);
+                    bundle.tile.read::<C>(choice.rays(), answers);
+                    choices.has_paid(bundle.effort.has_paid());
+                    cost.cycles += bundle.effort.cycles();
+                }
+                Next::Tile(choice) => {
+                    if let Some(choice) = choices.failed(choice) {
+                        others.add(choice.rays());
+                    }
+                }
+            }
+            if is_end || others.are_enough() {
+                cost.others += others.rays().len();
+                tree.level.run(OneByOne::<C> { tree, rays, which: others.rays(), answers });
+                others.clear();
+            }
+            if is_end {
+                return cost;
+            }
+        }
+    }
+}
+
+/// Some of a batch's rays, one after the other: compiled by itself, so that the walk has all registers.
+struct OneByOne<'a, C: Packed> {
+    tree: &'a KdTree,
+    rays: &'a [Ray],
+    which: &'a [u32],
+    answers: &'a mut [C::Output],
+}
+
+impl<C: Packed> Job for OneByOne<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        for &ray in self.which {
+            let walk = Walk::<_, C> { tree: self.tree, ray: &self.rays[ray as usize], probe: &mut (), start: () };
+            self.answers[ray as usize] = walk.run::<K>();
+        }
+    }
+}

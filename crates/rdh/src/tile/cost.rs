@@ -1,0 +1,31 @@
+//! What a part of a batch has cost: in cycles of a CPU with AVX2, about, by what is counted.
+
+use crate::geom::Ray;
+use crate::probe::Counts;
+
+/// What a part has cost.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Cost {
+    /// What tiles took.
+    pub(crate) cycles: u64,
+    /// Rays that were cast otherwise.
+    pub(crate) others: usize,
+}
+
+/// What so many rays cost that go alone and do that all together.
+pub(crate) type Alone = fn(u64, &Counts) -> u64;
+
+/// One ray in so many tells what rays cost that go alone.
+const ONE_IN: usize = 16;
+
+impl Cost {
+    /// All of it, with what `cast` counts for some rays.
+    pub(crate) fn with_others<A>(self, rays: &[Ray], alone: Alone, cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
+        let (mut counts, mut few) = (Counts::default(), 0);
+        for ray in rays.iter().step_by(ONE_IN).take(self.others) {
+            cast(ray, &mut counts);
+            few += 1;
+        }
+        self.cycles + alone(few, &counts) * self.others as u64 / few.max(1)
+    }
+}
