@@ -43,7 +43,7 @@ fn rows<'d>(document: &'d BenchDocument, base: &str) -> Vec<&'d BenchRow> {
 fn an_engine_with_right_answers_is_compared() {
     let document = race(&plan(vec![naive("good", "exact")]));
     assert!(document.failures.is_empty() && document.skipped.is_empty(), "{:?}", document.failures);
-    assert_eq!(document.rows.len(), 2 * 4);
+    assert_eq!(document.rows.len(), 2 * 5);
     for row in &document.rows {
         let first = document.rows.iter().find(|first| first.column == row.column).unwrap();
         assert_eq!((row.hits, row.t_sum, row.rays), (first.hits, first.t_sum, first.rays));
@@ -87,7 +87,7 @@ fn an_engine_that_is_absent_is_skipped_by_name_and_the_others_go_on() {
     assert_eq!(document.skipped[1].reason, "its library is missing");
     assert!(document.failures.is_empty() && rows(&document, "good").len() == 2);
     let without = race(&BenchPlan { programs: None, ..plan(vec![naive("good", "exact")]) });
-    assert_eq!((without.skipped.len(), without.rows.len(), without.failures.len()), (1, 6, 0));
+    assert_eq!((without.skipped.len(), without.rows.len(), without.failures.len()), (1, 8, 0));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn slow_engines_get_fewer_rays_and_are_compared_on_the_same() {
     let document = race(&plan(vec![slow]));
     assert!(document.rows.iter().filter(|row| row.is_ours()).all(|row| row.same_rays.is_empty()));
     let row = rows(&document, "slow")[0];
-    assert_eq!((row.rays, row.same_rays.len()), (64, 3));
+    assert_eq!((row.rays, row.same_rays.len()), (64, 4));
     let ours = document.rows.iter().find(|ours| ours.is_ours()).unwrap();
     assert_eq!((ours.rays, ours.engine.as_str()), (576, row.same_rays[0].spec.as_str()));
     let speedup = document.speedup(ours, "slow").unwrap();
