@@ -28,6 +28,9 @@ impl Effort {
     /// … and to test it against a block.
     const LEAF_ALONE: u32 = 45;
 
+    /// So much, and a quarter more than its rays would have cost alone, may be spent on a tile.
+    const PATIENCE: u32 = 2000;
+
     /// A tile of so many rays sets out.
     #[inline(always)]
     pub(super) fn of(rays: usize) -> Self {
@@ -67,6 +70,12 @@ impl Effort {
         u64::from(Self::RAY) * rays + node * counts.interiors + leaf * (counts.leaves - counts.empty_leaves)
     }
 
+    /// Whether it has become dear beyond hope, as where a few rays of each packet go on for long: then its rays are to go alone.
+    #[inline(always)]
+    pub(super) fn is_hopeless(self) -> bool {
+        self.together > self.apart + (self.apart >> 2) + Self::PATIENCE
+    }
+
     /// Whether it has paid.
     #[inline(always)]
     pub(super) fn has_paid(self) -> bool {
@@ -84,11 +93,11 @@ mod tests {
         (0..30).for_each(|_| together.node(6));
         together.cell(30);
         (0..16).for_each(|_| together.leaf(0xff, 0xf));
-        assert!(together.has_paid());
+        assert!(together.has_paid() && !together.is_hopeless());
         let mut apart = Effort::of(64);
         (0..300).for_each(|_| apart.node(1));
         apart.cell(150);
         (0..100).for_each(|_| apart.leaf(1, 0xf));
-        assert!(!apart.has_paid());
+        assert!(!apart.has_paid() && apart.is_hopeless());
     }
 }

@@ -79,11 +79,15 @@ mod tests {
             if !bundle.fill(self.1, &choice, tree) {
                 return None;
             }
-            bundle.walk::<Closest>(self.0);
+            if !bundle.walk::<Closest>(self.0) {
+                return None;
+            }
             let (mut hits, mut any) = (vec![None; self.1.len()], vec![false; self.1.len()]);
             bundle.tile.read::<Closest>(choice.rays(), &mut hits);
             assert!(bundle.fill(self.1, &choice, tree));
-            bundle.walk::<Any>(self.0);
+            if !bundle.walk::<Any>(self.0) {
+                return Some(hits);
+            }
             bundle.tile.read::<Any>(choice.rays(), &mut any);
             assert!(
                 any.iter().copied().eq(hits.iter().map(Option::is_some)),

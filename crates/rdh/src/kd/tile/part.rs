@@ -34,8 +34,11 @@ impl<C: Packed> Job for Part<'_, C> {
                 Next::End => {}
                 Next::Others(choice) => others.add(choice.rays()),
                 Next::Tile(choice) if bundle.fill(rays, &choice, about) => {
-                    bundle.walk::<C>(tree);
-                    bundle.tile.read::<C>(choice.rays(), answers);
+                    if bundle.walk::<C>(tree) {
+                        bundle.tile.read::<C>(choice.rays(), answers);
+                    } else {
+                        others.add(choice.rays());
+                    }
                     choices.has_paid(bundle.effort.has_paid());
                     cost.cycles += bundle.effort.cycles();
                 }

@@ -64,9 +64,9 @@ struct Entry<E> {
 }
 
 impl<R: Floats> Bundle<R> {
-    /// Leads the tile through the tree.
+    /// Leads the tile through the tree; not to the end if that becomes too dear.
     #[inline(always)]
-    pub(super) fn walk<C: Collector>(&mut self, tree: &KdTree) {
+    pub(super) fn walk<C: Collector>(&mut self, tree: &KdTree) -> bool {
         let mut slots = Slots::<Entry<R::Eight>, STACK>::new();
         let (mut stack, pairs, class) = (slots.stack(), tree.pairs(), self.tile.class);
         let mut at = self.set_out(tree);
@@ -95,7 +95,10 @@ impl<R: Floats> Bundle<R> {
             if at.packets != 0 {
                 self.test::<C>(tree, &at);
             }
-            let Some(next) = stack.pop() else { return };
+            if self.effort.is_hopeless() {
+                return false;
+            }
+            let Some(next) = stack.pop() else { return true };
             let packets = next.packets & next.from.le(self.beams.end).signs();
             at = Entry { until: next.until.min(self.beams.end), packets, ..next };
         }
