@@ -236,13 +236,13 @@ impl<L: Leaves> Bvh<8, L> {
     /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
     pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
         let cost = self.part::<leaf::Closest>(rays, hits, None);
-        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.closest(ray, counts))
+        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.closest(ray, counts))
     }
 
     /// [`Self::occluded`] of each ray, likewise.
     pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
         let cost = self.part::<leaf::Any>(rays, hits, None);
-        cost.with_others(rays, tile::Effort::alone, |ray, counts| self.occluded(ray, counts))
+        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.occluded(ray, counts))
     }
 
     fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {

@@ -1,5 +1,6 @@
 //! What a part of a batch has cost: in cycles of a CPU with AVX2, about, by what is counted.
 
+use super::Prices;
 use crate::geom::Ray;
 use crate::probe::Counts;
 
@@ -12,20 +13,17 @@ pub(crate) struct Cost {
     pub(crate) others: usize,
 }
 
-/// What so many rays cost that go alone and do that all together.
-pub(crate) type Alone = fn(u64, &Counts) -> u64;
-
 /// One ray in so many tells what rays cost that go alone.
 const ONE_IN: usize = 16;
 
 impl Cost {
     /// All of it, with what `cast` counts for some rays.
-    pub(crate) fn with_others<A>(self, rays: &[Ray], alone: Alone, cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
+    pub(crate) fn with_others<P: Prices, A>(self, rays: &[Ray], cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
         let (mut counts, mut few) = (Counts::default(), 0);
         for ray in rays.iter().step_by(ONE_IN).take(self.others) {
             cast(ray, &mut counts);
             few += 1;
         }
-        self.cycles + alone(few, &counts) * self.others as u64 / few.max(1)
+        self.cycles + P::alone(few, &counts) * self.others as u64 / few.max(1)
     }
 }

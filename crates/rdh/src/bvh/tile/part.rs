@@ -96,8 +96,11 @@ impl<C: Packed> Part<'_, C> {
                 Next::End => return,
                 Next::Others(choice) => others.add(choice.rays()),
                 Next::Tile(choice) if bundle.fill(self.rays, &choice, tree) => {
-                    bundle.walk::<K, C>(self.tree);
-                    bundle.tile.read::<C>(choice.rays(), self.answers);
+                    if bundle.walk::<K, C>(self.tree) {
+                        bundle.tile.read::<C>(choice.rays(), self.answers);
+                    } else {
+                        others.add(choice.rays());
+                    }
                     choices.has_paid(bundle.effort.has_paid());
                     cost.cycles += bundle.effort.cycles();
                 }

@@ -21,9 +21,9 @@ struct Entry {
 }
 
 impl<R: Floats> Bundle<R> {
-    /// Leads the tile through the tree.
+    /// Leads the tile through the tree; not to the end if that becomes too dear.
     #[inline(always)]
-    pub(super) fn walk<K: Kernels<Eight = R::Eight>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) {
+    pub(super) fn walk<K: Kernels<Eight = R::Eight>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) -> bool {
         let mut slots = Slots::<Entry, STACK>::new();
         let mut stack = slots.stack();
         let mut scratch = bytemuck::Zeroable::zeroed();
@@ -42,10 +42,14 @@ impl<R: Floats> Bundle<R> {
                 let leaf = Leaf { block, wanted: link.lanes(), masks: tree.masks.as_deref() };
                 self.test::<C>(&leaf, &planes, entry);
             } else if let Some(entry) = self.narrow(&planes, entry) {
-                self.effort.node();
+                self.effort.node(u32::from(entry.last - entry.first) + 1);
+                if self.effort.is_hopeless() {
+                    return false;
+                }
                 self.enter::<C>(tree, entry, link.index(), &mut stack, &mut t);
             }
         }
+        true
     }
 
     /// The same for the packets from the first to the last that meet the box; nothing if there are none.

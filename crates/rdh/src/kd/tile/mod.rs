@@ -6,25 +6,40 @@
 //! them meets the cell.
 
 mod beams;
-mod effort;
 mod part;
 mod walk;
 
-pub(crate) use effort::Effort;
 pub(super) use part::Part;
 
 use crate::geom::Ray;
 use crate::simd::Floats;
-use crate::tile::{Choice, PACKETS, Reach, Tile};
+use crate::tile::{Choice, Effort, PACKETS, Prices, Reach, Tile};
 
 use beams::Beams;
+
+/// What it costs: fitted to 12,604 groups of 16 tiles that were cast both ways, in eight scenes, by SAH and RDH, rows, shadows, AO and
+/// bounces: 4 % of them are judged wrongly, which costs 0.4 % of the time (Zen 3); in units of the hierarchies'.
+pub(super) struct Costs;
+
+impl Prices for Costs {
+    const READY: u32 = 44;
+    const NODE: u32 = 96;
+    const BOX: u32 = 105;
+    const SIFT: u32 = 40;
+    const RAY: u32 = 105;
+    const PACKET_ALONE: u32 = 52;
+    const TEST_ALONE: u32 = 79;
+    const COUNTED_RAY: u64 = 105;
+    const COUNTED_NODE: u64 = 13;
+    const COUNTED_LEAF: u64 = 79;
+}
 
 /// A tile, and the beams around its packets.
 struct Bundle<R: Floats> {
     tile: Tile<R>,
     reaches: [Reach<R>; PACKETS],
     beams: Beams<R::Eight>,
-    effort: Effort,
+    effort: Effort<Costs>,
 }
 
 impl<R: Floats> Bundle<R> {
@@ -32,7 +47,7 @@ impl<R: Floats> Bundle<R> {
     #[inline(always)]
     fn empty() -> Self {
         let reaches = [Reach::nothing(); PACKETS];
-        Self { tile: Tile::empty(), beams: Beams::none(), reaches, effort: Effort::default() }
+        Self { tile: Tile::empty(), beams: Beams::none(), reaches, effort: Effort::of(0) }
     }
 
     /// Takes over rays, if they are usual ones of one class.

@@ -125,7 +125,7 @@ impl<R: Floats> Bundle<R> {
             return;
         }
         let (planes, mut packets) = (Planes::of(&at.cell.near, &at.cell.far), at.packets);
-        self.effort.cell(packets.count_ones());
+        self.effort.boxes(packets.count_ones());
         while packets != 0 {
             let i = packets.trailing_zeros() as usize & (PACKETS - 1);
             packets &= packets - 1;
