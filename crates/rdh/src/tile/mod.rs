@@ -50,6 +50,9 @@ pub(crate) struct Tile<R> {
 pub(crate) trait Packed: Collector<Start = ()> {
     /// What is known of a ray when the tile is done.
     fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Self::Output;
+
+    /// Whether that is known before the tile is done.
+    fn is_settled<R: Floats>(packet: &Packet<R>, lane: usize) -> bool;
 }
 
 impl Packed for Closest {
@@ -57,11 +60,21 @@ impl Packed for Closest {
     fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> Option<Hit> {
         packet.closest(lane)
     }
+
+    #[inline(always)]
+    fn is_settled<R: Floats>(_: &Packet<R>, _: usize) -> bool {
+        false
+    }
 }
 
 impl Packed for Any {
     #[inline(always)]
     fn read<R: Floats>(packet: &Packet<R>, lane: usize) -> bool {
+        packet.has_hit(lane)
+    }
+
+    #[inline(always)]
+    fn is_settled<R: Floats>(packet: &Packet<R>, lane: usize) -> bool {
         packet.has_hit(lane)
     }
 }
@@ -148,6 +161,20 @@ impl<R: Floats> Tile<R> {
         for (packet, rays) in self.packets.iter().zip(which.chunks(R::COUNT)) {
             for (lane, &ray) in rays.iter().enumerate() {
                 answers[ray as usize] = C::read(packet, lane);
+            }
+        }
+    }
+
+    /// The same for a tile that was given up: rays of which nothing is settled are others.
+    #[inline(always)]
+    pub(crate) fn read_settled<C: Packed>(&self, which: &[u32], answers: &mut [C::Output], others: &mut Others) {
+        for (packet, rays) in self.packets.iter().zip(which.chunks(R::COUNT)) {
+            for (lane, &ray) in rays.iter().enumerate() {
+                if C::is_settled(packet, lane) {
+                    answers[ray as usize] = C::read(packet, lane);
+                } else {
+                    others.add(&[ray]);
+                }
             }
         }
     }

@@ -99,7 +99,7 @@ impl<C: Packed> Part<'_, C> {
                     if bundle.walk::<K, C>(self.tree) {
                         bundle.tile.read::<C>(choice.rays(), self.answers);
                     } else {
-                        others.add(choice.rays());
+                        bundle.tile.read_settled::<C>(choice.rays(), self.answers, others);
                     }
                     choices.has_paid(bundle.effort.has_paid());
                     cost.cycles += bundle.effort.cycles();

@@ -37,7 +37,7 @@ impl<C: Packed> Job for Part<'_, C> {
                     if bundle.walk::<C>(tree) {
                         bundle.tile.read::<C>(choice.rays(), answers);
                     } else {
-                        others.add(choice.rays());
+                        bundle.tile.read_settled::<C>(choice.rays(), answers, &mut others);
                     }
                     choices.has_paid(bundle.effort.has_paid());
                     cost.cycles += bundle.effort.cycles();
