@@ -222,7 +222,7 @@ impl Accel {
     /// # Panics
     /// If there are not as many `hits` as `rays`.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        batch::cast(rays, hits, |rays, hits, width| self.closest_part(rays, hits, width));
+        batch::cast(rays, hits, |ray| self.closest(ray), |rays, hits, width| self.closest_part(rays, hits, width));
     }
 
     /// [`Self::occluded`] of each ray, as [`Self::closest_many`].
@@ -230,7 +230,12 @@ impl Accel {
     /// # Panics
     /// If there are not as many answers as `rays`.
     pub fn occluded_many(&self, rays: &[Ray], occluded: &mut [bool]) {
-        batch::cast(rays, occluded, |rays, occluded, width| self.occluded_part(rays, occluded, width));
+        batch::cast(
+            rays,
+            occluded,
+            |ray| self.occluded(ray),
+            |rays, occluded, width| self.occluded_part(rays, occluded, width),
+        );
     }
 
     /// [`Self::closest_many`] on this thread; `width` is how many rays a row has, if they are whole rows of a picture.

@@ -17,12 +17,25 @@ const UNIT: usize = 64;
 /// Rows that a thread needs to make tiles of them.
 const ROWS: usize = 8;
 
-/// Has all rays answered by `cast`, which gets some of them, where their answers go, and how many rays a row has if they are whole
+/// Fewer rays are not worth looking at: they go one by one.
+const FEW: usize = UNIT;
+
+/// Has few rays answered one by one by `alone`, others by `cast`, which gets some of them, where their answers go, and how many rays a row has if they are whole
 /// rows of a picture.
 ///
 /// # Panics
 /// If there are not as many answers as rays.
-pub(crate) fn cast<A: Send>(rays: &[Ray], answers: &mut [A], cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync) {
+pub(crate) fn cast<A: Send>(
+    rays: &[Ray],
+    answers: &mut [A],
+    alone: impl Fn(&Ray) -> A,
+    cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync,
+) {
+    if rays.len() < FEW {
+        same_number(rays, answers);
+        rays.iter().zip(answers).for_each(|(ray, answer)| *answer = alone(ray));
+        return;
+    }
     let rows = rows::find(rays);
     let (width, lead) = rows.map_or((None, 0), |rows| (Some(rows.width), rows.lead));
     share(rays, answers, (width, lead), cast);
@@ -48,7 +61,7 @@ fn share<A: Send>(
     (width, lead): (Option<usize>, usize),
     cast: impl Fn(&[Ray], &mut [A], Option<usize>) + Sync,
 ) {
-    assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
+    same_number(rays, answers);
     let threads = rayon::current_num_threads();
     // Some more than threads, so that none waits long for the last.
     let parts = if threads == 1 { 1 } else { 4 * threads };
@@ -64,4 +77,8 @@ fn share<A: Send>(
         let parts = rest.par_chunks(part).zip(rest_answers.par_chunks_mut(part));
         parts.for_each(|(rays, answers)| cast(rays, answers, width));
     }
+}
+
+fn same_number<A>(rays: &[Ray], answers: &[A]) {
+    assert_eq!(rays.len(), answers.len(), "there are to be as many answers as rays");
 }

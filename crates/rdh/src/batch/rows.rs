@@ -13,8 +13,10 @@ pub(super) struct Rows {
 
 /// So many rays tell how far neighbours are apart.
 const FIRST: usize = 16;
-/// Rows longer than this are not found.
+/// Rows longer than this are not found, …
 const LONGEST: usize = 1 << 14;
+/// … nor fewer than so many: squares have as many.
+const FEWEST: usize = 8;
 /// Neighbours that are so many times as far apart as usual are none.
 const JUMP: f32 = 8.0;
 /// So many pairs are looked at, …
@@ -24,14 +26,17 @@ const BELOW: usize = 12;
 
 /// The rows, if the rays are those of a picture's pixels, one row after the other.
 pub(super) fn find(rays: &[Ray]) -> Option<Rows> {
-    let usual = rays.get(..FIRST)?.windows(2).fold(Apart::least(&rays[0]), |most, pair| most.or(&Apart::of(pair)));
+    if rays.len() < FEWEST * FIRST {
+        return None;
+    }
+    let usual = rays[..FIRST].windows(2).fold(Apart::least(&rays[0]), |most, pair| most.or(&Apart::of(pair)));
     // Rays that turn so much from one to the next are no picture's.
     if usual.turn > 0.1 * size(rays[0].direction) {
         return None;
     }
     let jumps = |pair: &[Ray]| Apart::of(pair).is_beyond(&usual);
     let end = |from: usize| {
-        let some = rays[from..].windows(2).take(LONGEST);
+        let some = rays[from..].windows(2).take(LONGEST.min(rays.len() / FEWEST));
         some.enumerate().find(|(_, pair)| jumps(pair)).map(|(i, _)| from + i + 1)
     };
     let first = end(0)?;
@@ -105,7 +110,7 @@ mod tests {
         let rays = picture(100, 60);
         assert_eq!(find(&rays), Some(Rows { width: 100, lead: 0 }));
         assert_eq!(find(&rays[30..]), Some(Rows { width: 100, lead: 70 }));
-        assert_eq!(find(&rays[..250]), Some(Rows { width: 100, lead: 0 }));
+        assert_eq!(find(&rays[..850]), Some(Rows { width: 100, lead: 0 }));
         assert_eq!(find(&picture(17, 40)), Some(Rows { width: 17, lead: 0 }));
         let parallel: Vec<Ray> = rays.iter().map(|ray| Ray::new(ray.direction, [0.0, 0.0, 1.0])).collect();
         assert_eq!(find(&parallel), Some(Rows { width: 100, lead: 0 }));

@@ -89,7 +89,7 @@ impl EyeTree {
     /// # Panics
     /// If there are not as many hits as rays.
     pub fn closest_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        batch::cast(rays, hits, |rays, hits, width| self.closest_part(rays, hits, width));
+        batch::cast(rays, hits, |ray| self.closest(ray), |rays, hits, width| self.closest_part(rays, hits, width));
     }
 
     /// [`Self::closest_many`] for rays that come in rows of `width`, as pictures and scanners have them: neighbours in both directions
@@ -107,7 +107,7 @@ impl EyeTree {
     /// # Panics
     /// If there are not as many answers as rays.
     pub fn occluded_many(&self, rays: &[Ray], found: &mut [bool]) {
-        batch::cast(rays, found, |rays, found, width| self.occluded_part(rays, found, width));
+        batch::cast(rays, found, |ray| self.occluded(ray), |rays, found, width| self.occluded_part(rays, found, width));
     }
 
     /// The eye.

@@ -36,6 +36,24 @@ impl<T: Copy, const N: usize> Stack<'_, T, N> {
         self.len += 1;
     }
 
+    /// Puts elements on top, the last one uppermost.
+    ///
+    /// # Panics
+    /// If there is no room for them.
+    #[inline(always)]
+    pub(crate) fn extend(&mut self, some: &[T]) {
+        let slots = &mut self.slots[self.len..][..some.len()];
+        slots.iter_mut().zip(some).for_each(|(slot, &x)| _ = slot.write(x));
+        self.len += some.len();
+    }
+
+    /// All elements, the uppermost one last.
+    #[inline(always)]
+    pub(crate) fn as_slice(&self) -> &[T] {
+        // SAFETY: `len` counts the slots that have been written, from the first one on.
+        unsafe { self.slots[..self.len].assume_init_ref() }
+    }
+
     /// Takes all elements.
     #[inline(always)]
     pub(crate) fn clear(&mut self) {

@@ -34,7 +34,7 @@ pub(crate) struct Choices {
 impl Choices {
     /// Of so many rays, which are rows of `width` of a picture or have no rows, through a structure within `bounds`.
     pub(crate) fn new(count: usize, width: Option<usize>, bounds: &Aabb, has_tiles: bool) -> Self {
-        let (extent, windows) = (Extent::of(bounds), Windows::new(count, width));
+        let (extent, windows) = (Extent::of(bounds, count), Windows::new(count, width));
         Self { extent, windows, patience: Patience::default(), mixed: None, is_class: false, has_tiles }
     }
 

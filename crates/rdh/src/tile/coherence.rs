@@ -2,23 +2,30 @@
 
 use std::array;
 
+use super::RAYS;
 use crate::geom::{Aabb, Ray, Vec3};
 
 /// How far directions of a tile may be apart, in units of their largest component, …
 const TURN: f32 = 0.25;
+/// … or this far in parts of fewer rays: they are over before it turns out that tiles don't pay, …
+const NARROW: (f32, usize) = (1.0 / 16.0, 4 * RAYS);
 /// … and origins, in units of the structure's extent.
 const SHIFT: f32 = 1.0 / 16.0;
 /// If most neighbours' origins are farther apart than this, in units of how far apart any are, rays have no order.
 const JUMP: f32 = 1.0 / 8.0;
 
-/// How large a structure is, to those who ask how far apart rays are.
+/// How far apart rays of a tile may be.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Extent(f32);
+pub(crate) struct Extent {
+    turn: f32,
+    shift: f32,
+}
 
 impl Extent {
-    /// That of a box.
-    pub(crate) fn of(bounds: &Aabb) -> Self {
-        Self((0..3).map(|a| bounds.max[a] - bounds.min[a]).fold(0.0, f32::max))
+    /// For so many rays through a structure within a box.
+    pub(crate) fn of(bounds: &Aabb, count: usize) -> Self {
+        let extent = (0..3).map(|a| bounds.max[a] - bounds.min[a]).fold(0.0, f32::max);
+        Self { turn: if count < NARROW.1 { NARROW.0 } else { TURN }, shift: SHIFT * extent }
     }
 
     /// Whether rays probably stay together: by the first, the last, and two in between. What is no number stays with nobody.
@@ -29,7 +36,7 @@ impl Extent {
         let some = [ray(0), ray(last / 3), ray(last - last / 3), ray(last)];
         let turn = spread(some.map(|ray| ray.direction));
         let shift = spread(some.map(|ray| ray.origin));
-        turn <= TURN * size(some[0].direction) && shift <= SHIFT * self.0
+        turn <= self.turn * size(some[0].direction) && shift <= self.shift
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) use choices::{Choices, Next};
 pub(crate) use coherence::are_unordered;
 pub(crate) use cost::Cost;
 pub(crate) use effort::{Effort, Prices};
-pub(crate) use others::Others;
+pub(crate) use others::{Others, OthersSlots};
 pub(crate) use packet::{Class, Leaf, Packet, Planes, Reach};
 pub(crate) use windows::Windows;
 
@@ -167,7 +167,7 @@ impl<R: Floats> Tile<R> {
 
     /// The same for a tile that was given up: rays of which nothing is settled are others.
     #[inline(always)]
-    pub(crate) fn read_settled<C: Packed>(&self, which: &[u32], answers: &mut [C::Output], others: &mut Others) {
+    pub(crate) fn read_settled<C: Packed>(&self, which: &[u32], answers: &mut [C::Output], others: &mut Others<'_>) {
         for (packet, rays) in self.packets.iter().zip(which.chunks(R::COUNT)) {
             for (lane, &ray) in rays.iter().enumerate() {
                 if C::is_settled(packet, lane) {

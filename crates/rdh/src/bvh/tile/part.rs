@@ -12,7 +12,7 @@ use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
 use crate::simd::{Floats, Job, Kernels, prefetch};
-use crate::tile::{Choices, Cost, Next, Others, Packed, are_unordered};
+use crate::tile::{Choices, Cost, Next, Others, OthersSlots, Packed, are_unordered};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
@@ -35,8 +35,9 @@ impl<C: Packed> Job for Part<'_, C> {
         let mut turns_pay = if self.tries_turns(sorts) { None } else { Some(false) };
         let has_tiles = K::PACKETS && self.tree.scale.factor() == 1.0;
         let choices = Choices::new(self.rays.len(), self.width, &self.tree.bounds, has_tiles);
-        let mut tiles = Tiles { bundle: Bundle::<K::Rays>::empty(), choices, cost: Cost::default() };
-        let mut others = Others::none();
+        let mut tiles = Tiles::<K::Rays> { bundle: None, choices, cost: Cost::default() };
+        let mut slots = OthersSlots::new();
+        let mut others = Others::none(&mut slots);
         let mut done = false;
         while !done {
             let now = turns_pay == Some(false) && tiles.choices.is_between_windows() && mem::take(&mut sorts);
@@ -59,7 +60,8 @@ impl<C: Packed> Job for Part<'_, C> {
 
 /// What becomes of a part, window by window.
 struct Tiles<R: Floats> {
-    bundle: Bundle<R>,
+    /// None before the first tile: small batches would take long to make one ready.
+    bundle: Option<Bundle<R>>,
     choices: Choices,
     cost: Cost,
 }
@@ -89,23 +91,26 @@ impl<C: Packed> Part<'_, C> {
 
     /// Casts what makes tiles, until there are enough others or no rays are left.
     #[inline(always)]
-    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Rays>, others: &mut Others) {
+    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Rays>, others: &mut Others<'_>) {
         let (Tiles { bundle, choices, cost }, tree) = (tiles, (self.tree.magnitude, self.tree.masks.is_some()));
         while !others.are_enough() {
             match choices.next(self.rays) {
                 Next::End => return,
                 Next::Others(choice) => others.add(choice.rays()),
-                Next::Tile(choice) if bundle.fill(self.rays, &choice, tree) => {
-                    if bundle.walk::<K, C>(self.tree) {
-                        bundle.tile.read::<C>(choice.rays(), self.answers);
-                    } else {
-                        bundle.tile.read_settled::<C>(choice.rays(), self.answers, others);
-                    }
-                    choices.has_paid(bundle.effort.has_paid());
-                    cost.cycles += bundle.effort.cycles();
-                }
                 Next::Tile(choice) => {
-                    if let Some(choice) = choices.failed(choice) {
+                    if bundle.is_none() {
+                        *bundle = Some(Bundle::empty());
+                    }
+                    let Some(bundle) = bundle else { return };
+                    if bundle.fill(self.rays, &choice, tree) {
+                        if bundle.walk::<K, C>(self.tree) {
+                            bundle.tile.read::<C>(choice.rays(), self.answers);
+                        } else {
+                            bundle.tile.read_settled::<C>(choice.rays(), self.answers, others);
+                        }
+                        choices.has_paid(bundle.effort.has_paid());
+                        cost.cycles += bundle.effort.cycles();
+                    } else if let Some(choice) = choices.failed(choice) {
                         others.add(choice.rays());
                     }
                 }

@@ -5,7 +5,7 @@ use crate::geom::Ray;
 use crate::kd::KdTree;
 use crate::kd::trace::Walk;
 use crate::simd::{Job, Kernels};
-use crate::tile::{Choices, Cost, Next, Others, Packed};
+use crate::tile::{Choices, Cost, Next, Others, OthersSlots, Packed};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
@@ -25,25 +25,30 @@ impl<C: Packed> Job for Part<'_, C> {
         let Self { tree, rays, answers, width } = self;
         let has_tiles = K::PACKETS && tree.scale.factor() == 1.0;
         let mut choices = Choices::new(rays.len(), width, &tree.bounds, has_tiles);
-        let (mut bundle, about) = (Bundle::<K::Rays>::empty(), (tree.magnitude, tree.masks.is_some()));
-        let (mut cost, mut others) = (Cost::default(), Others::none());
+        // None before the first tile: small batches would take long to make one ready.
+        let (mut bundle, about) = (None::<Bundle<K::Rays>>, (tree.magnitude, tree.masks.is_some()));
+        let mut slots = OthersSlots::new();
+        let (mut cost, mut others) = (Cost::default(), Others::none(&mut slots));
         loop {
             let next = choices.next(rays);
             let is_end = matches!(next, Next::End);
             match next {
                 Next::End => {}
                 Next::Others(choice) => others.add(choice.rays()),
-                Next::Tile(choice) if bundle.fill(rays, &choice, about) => {
-                    if bundle.walk::<C>(tree) {
-                        bundle.tile.read::<C>(choice.rays(), answers);
-                    } else {
-                        bundle.tile.read_settled::<C>(choice.rays(), answers, &mut others);
-                    }
-                    choices.has_paid(bundle.effort.has_paid());
-                    cost.cycles += bundle.effort.cycles();
-                }
                 Next::Tile(choice) => {
-                    if let Some(choice) = choices.failed(choice) {
+                    if bundle.is_none() {
+                        bundle = Some(Bundle::empty());
+                    }
+                    let Some(bundle) = &mut bundle else { return cost };
+                    if bundle.fill(rays, &choice, about) {
+                        if bundle.walk::<C>(tree) {
+                            bundle.tile.read::<C>(choice.rays(), answers);
+                        } else {
+                            bundle.tile.read_settled::<C>(choice.rays(), answers, &mut others);
+                        }
+                        choices.has_paid(bundle.effort.has_paid());
+                        cost.cycles += bundle.effort.cycles();
+                    } else if let Some(choice) = choices.failed(choice) {
                         others.add(choice.rays());
                     }
                 }
