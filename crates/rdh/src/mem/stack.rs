@@ -50,8 +50,8 @@ impl<T: Copy, const N: usize> Stack<'_, T, N> {
     /// All elements, the uppermost one last.
     #[inline(always)]
     pub(crate) fn as_slice(&self) -> &[T] {
-        // SAFETY: `len` counts the slots that have been written, from the first one on.
-        unsafe { self.slots[..self.len].assume_init_ref() }
+        // SAFETY: `len` counts the slots that have been written, from the first one on; a slot is laid out as what it holds.
+        unsafe { std::slice::from_raw_parts(self.slots.as_ptr().cast(), self.len) }
     }
 
     /// Takes all elements.
