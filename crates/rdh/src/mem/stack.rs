@@ -95,3 +95,30 @@ impl<T: Copy, const N: usize> Stack<'_, T, N> {
         Some(unsafe { self.slots.get_unchecked(self.len).assume_init() })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_put_on_top_is_what_there_is() {
+        let mut slots = Slots::<u32, 8>::new();
+        let mut stack = slots.stack();
+        assert!(stack.as_slice().is_empty());
+        stack.push(1);
+        stack.extend(&[2, 3, 4]);
+        stack.extend(&[]);
+        assert_eq!(stack.as_slice(), [1, 2, 3, 4]);
+        assert_eq!((stack.pop(), stack.len(), stack.as_slice()), (Some(4), 3, &[1, 2, 3][..]));
+        stack.insert(1, 9, |a, b| a < b);
+        assert_eq!(stack.as_slice(), [1, 9, 2, 3]);
+        stack.clear();
+        assert_eq!((stack.pop(), stack.as_slice()), (None, &[][..]));
+    }
+
+    #[test]
+    #[should_panic(expected = "out of range")]
+    fn there_is_no_more_room_than_was_said() {
+        Slots::<u32, 3>::new().stack().extend(&[0; 4]);
+    }
+}

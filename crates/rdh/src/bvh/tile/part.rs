@@ -97,6 +97,8 @@ impl<C: Packed> Part<'_, C> {
             match choices.next(self.rays) {
                 Next::End => return,
                 Next::Others(choice) => others.add(choice.rays()),
+                // There are none: this spares the program their code.
+                Next::Tile(choice) if !K::PACKETS => others.add(choice.rays()),
                 Next::Tile(choice) => {
                     if bundle.is_none() {
                         *bundle = Some(Bundle::empty());

@@ -35,6 +35,8 @@ impl<C: Packed> Job for Part<'_, C> {
             match next {
                 Next::End => {}
                 Next::Others(choice) => others.add(choice.rays()),
+                // There are none: this spares the program their code.
+                Next::Tile(choice) if !K::PACKETS => others.add(choice.rays()),
                 Next::Tile(choice) => {
                     if bundle.is_none() {
                         bundle = Some(Bundle::empty());
@@ -55,32 +57,15 @@ impl<C: Packed> Job for Part<'_, C> {
             }
             if is_end || others.are_enough() {
                 cost.others += others.rays().len();
-                tree.level.run(OneByOne::<C> { tree, rays, which: others.rays(), answers });
+                for &ray in others.rays() {
+                    let ray = ray as usize;
+                    answers[ray] = tree.level.run(Walk::<_, C> { tree, ray: &rays[ray], probe: &mut (), start: () });
+                }
                 others.clear();
             }
             if is_end {
                 return cost;
             }
-        }
-    }
-}
-
-/// Some of a batch's rays, one after the other: compiled by itself, so that the walk has all registers.
-struct OneByOne<'a, C: Packed> {
-    tree: &'a KdTree,
-    rays: &'a [Ray],
-    which: &'a [u32],
-    answers: &'a mut [C::Output],
-}
-
-impl<C: Packed> Job for OneByOne<'_, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<K: Kernels>(self) {
-        for &ray in self.which {
-            let walk = Walk::<_, C> { tree: self.tree, ray: &self.rays[ray as usize], probe: &mut (), start: () };
-            self.answers[ray as usize] = walk.run::<K>();
         }
     }
 }
