@@ -82,7 +82,7 @@ fn run_test(test: &promises::Test, profile: &str) -> Result<bool> {
     let output = command.current_dir(crate::root()).output().context("cargo")?;
     let text = String::from_utf8_lossy(&output.stdout);
     let passed: u64 = text.lines().filter_map(passed).sum();
-    let count = format!("{passed} tests");
+    let count = if passed == 1 { "1 test".to_owned() } else { format!("{passed} tests") };
     if output.status.success() {
         ensure!(passed > 0, "{}: no test has this name", test.name);
         return keep(test.name, &count, &Verdict::Fine).map(|()| true);
