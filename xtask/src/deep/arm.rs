@@ -10,6 +10,8 @@ use super::{Arguments, Outcome, outcome, says};
 const TARGET: &str = "aarch64-unknown-linux-gnu";
 /// Debian's: a Rust of its own, since ours may lack the target's library.
 const PACKAGES: &str = "qemu-user gcc-aarch64-linux-gnu libc6-dev:arm64 rustc-web cargo-web libstd-rust-web-dev:arm64";
+/// Hours of emulation for a million rays; what it shows, batches from inside closed meshes and brute force show with fewer.
+const TOO_LONG: &str = "no_ray_escapes_from_a_closed_mesh";
 /// Where its libraries lie if they came with a cross compiler; others the emulator finds by itself.
 const LIBRARIES: &str = "/usr/aarch64-linux-gnu";
 
@@ -34,7 +36,8 @@ pub(super) fn run(_: &Arguments) -> Result<Outcome> {
     }
     command.args(["test", "--release", "-p", "rdh", "--target", TARGET, "--target-dir"]);
     command.arg(crate::target()?.join("arm"));
-    outcome(command.args(["--lib", "--test", "properties", "--test", "builds"]), &["test result: ok."])
+    command.args(["--lib", "--test", "properties", "--test", "builds", "--", "--skip", TOO_LONG]);
+    outcome(&mut command, &["test result: ok."])
 }
 
 /// A cargo and a compiler that have the target's library.
