@@ -24,7 +24,7 @@ fn json_has_the_rows_of_the_contract() {
     let args = small(&folder, &["--json", "--specs", "bvh8+sah,kd+sah", "--columns", "rows,tiles,bounce,ao"]);
     let document = json(&texts(&args));
     let rows = document["rows"].as_array().unwrap();
-    assert_eq!((&document["version"], rows.len()), (&Value::from(1), 3 * 4));
+    assert_eq!((&document["version"], rows.len()), (&Value::from(1), 4 * 4));
     let names = ["scene", "view", "column", "engine", "form", "profile"];
     let numbers =
         ["rays", "hits", "t_sum", "mrays_per_sec", "mrays_per_sec_best", "build_secs", "bytes", "triangles", "lost"];
