@@ -12,6 +12,7 @@ use crate::geom::{Aabb, Hit, Ray, Scale};
 use crate::heuristic::{self, HeuristicSpec, Rdh, RdhSpec};
 use crate::kd::{KdTree, Prune};
 use crate::lazy::Lazy;
+use crate::leaf::{Any, Closest};
 use crate::mesh::Mesh;
 use crate::options::BuildOptions;
 use crate::parts::{Parts, Written};
@@ -19,6 +20,7 @@ use crate::probe::{Counts, Probe};
 use crate::rays::{Profile, Training};
 use crate::simd::Level;
 use crate::spec::{Spec, StructureSpec};
+use crate::tile::Batched;
 
 /// A finished structure: answers queries from any number of threads. It holds its own copies of the triangles, and the mesh, whose
 /// memory it shares. Clones share all memory.
@@ -241,9 +243,9 @@ impl Accel {
     /// [`Self::closest_many`] on this thread; `width` is how many rays a row has, if they are whole rows of a picture.
     pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
         match &self.structure {
-            Structure::Kd(tree) => tree.closest_part(rays, hits, width),
-            Structure::Bvh8(tree) => tree.closest_part(rays, hits, width),
-            Structure::Compact8(tree) => tree.closest_part(rays, hits, width),
+            Structure::Kd(tree) => _ = tree.part::<Closest>(rays, hits, width),
+            Structure::Bvh8(tree) => _ = tree.part::<Closest>(rays, hits, width),
+            Structure::Compact8(tree) => _ = tree.part::<Closest>(rays, hits, width),
             Structure::Eye(around) => around.tree().closest_part(rays, hits, width),
             _ => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest(ray)),
         }
@@ -252,9 +254,9 @@ impl Accel {
     /// [`Self::closest_part`], and what it takes in cycles, about, if that can be said.
     pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Option<u64> {
         match &self.structure {
-            Structure::Kd(tree) => Some(tree.closest_effort(rays, hits)),
-            Structure::Bvh8(tree) => Some(tree.closest_effort(rays, hits)),
-            Structure::Compact8(tree) => Some(tree.closest_effort(rays, hits)),
+            Structure::Kd(tree) => Some(tree.effort::<Closest>(rays, hits)),
+            Structure::Bvh8(tree) => Some(tree.effort::<Closest>(rays, hits)),
+            Structure::Compact8(tree) => Some(tree.effort::<Closest>(rays, hits)),
             _ => None,
         }
     }
@@ -262,9 +264,9 @@ impl Accel {
     /// [`Self::occluded_part`], likewise.
     pub(crate) fn occluded_effort(&self, rays: &[Ray], occluded: &mut [bool]) -> Option<u64> {
         match &self.structure {
-            Structure::Kd(tree) => Some(tree.occluded_effort(rays, occluded)),
-            Structure::Bvh8(tree) => Some(tree.occluded_effort(rays, occluded)),
-            Structure::Compact8(tree) => Some(tree.occluded_effort(rays, occluded)),
+            Structure::Kd(tree) => Some(tree.effort::<Any>(rays, occluded)),
+            Structure::Bvh8(tree) => Some(tree.effort::<Any>(rays, occluded)),
+            Structure::Compact8(tree) => Some(tree.effort::<Any>(rays, occluded)),
             _ => None,
         }
     }
@@ -272,9 +274,9 @@ impl Accel {
     /// [`Self::occluded_many`], likewise.
     pub(crate) fn occluded_part(&self, rays: &[Ray], occluded: &mut [bool], width: Option<usize>) {
         match &self.structure {
-            Structure::Kd(tree) => tree.occluded_part(rays, occluded, width),
-            Structure::Bvh8(tree) => tree.occluded_part(rays, occluded, width),
-            Structure::Compact8(tree) => tree.occluded_part(rays, occluded, width),
+            Structure::Kd(tree) => _ = tree.part::<Any>(rays, occluded, width),
+            Structure::Bvh8(tree) => _ = tree.part::<Any>(rays, occluded, width),
+            Structure::Compact8(tree) => _ = tree.part::<Any>(rays, occluded, width),
             Structure::Eye(around) => around.tree().occluded_part(rays, occluded, width),
             _ => rays.iter().zip(occluded).for_each(|(ray, is)| *is = self.occluded(ray)),
         }

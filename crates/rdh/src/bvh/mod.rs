@@ -49,9 +49,9 @@ use crate::leaf;
 use crate::mem::{Array, bytes_of};
 use crate::mesh::Mesh;
 use crate::parts::{Part, Parts, Written};
-use crate::probe::Probe;
+use crate::probe::{Counts, Probe};
 use crate::simd::{Boxes, Lanes, Level};
-use crate::tile::{Cost, Packed};
+use crate::tile::{Batched, Cost, Packed};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles, or indices to the mesh's. Plain arrays
 /// without pointers.
@@ -223,36 +223,22 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
 
 #[expect(private_bounds, reason = "the forms of leaves are a closed set")]
 impl<L: Leaves> Bvh<8, L> {
-    /// [`Self::closest`] of each ray.
-    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
-        self.part::<leaf::Closest>(rays, hits, width);
+    /// The same memory, its leaves as any form of them.
+    pub(crate) fn with_any_leaves(&self) -> Bvh<8, leaves::AnyLeaves> {
+        let Self { scale, bounds, magnitude, ref nodes, ref leaves, ref masks, tally, level } = *self;
+        Bvh { scale, bounds, magnitude, nodes: nodes.clone(), leaves: leaves.any(), masks: masks.clone(), tally, level }
     }
+}
 
-    /// [`Self::occluded`] of each ray.
-    pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
-        self.part::<leaf::Any>(rays, hits, width);
-    }
-
-    /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
-    pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
-        let cost = self.part::<leaf::Closest>(rays, hits, None);
-        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.closest(ray, counts))
-    }
-
-    /// [`Self::occluded`] of each ray, likewise.
-    pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
-        let cost = self.part::<leaf::Any>(rays, hits, None);
-        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.occluded(ray, counts))
-    }
+impl<L: Leaves> Batched for Bvh<8, L> {
+    type Costs = tile::Costs;
 
     fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
         let (tree, bytes) = (&self.with_any_leaves(), self.bytes());
         self.level.run(tile::Part::<C> { tree, bytes, rays, answers, width })
     }
 
-    /// The same memory, its leaves as any form of them.
-    pub(crate) fn with_any_leaves(&self) -> Bvh<8, leaves::AnyLeaves> {
-        let Self { scale, bounds, magnitude, ref nodes, ref leaves, ref masks, tally, level } = *self;
-        Bvh { scale, bounds, magnitude, nodes: nodes.clone(), leaves: leaves.any(), masks: masks.clone(), tally, level }
+    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {
+        self.level.run(trace::Walk::<_, C, L, 8> { tree: self, ray, probe: counts, start: () })
     }
 }

@@ -35,14 +35,14 @@ use crate::clip::TriangleClipper;
 use crate::error::{Error, Result};
 use crate::geom::{Aabb, Hit, Ray, Scale, TriId};
 use crate::heuristic::Heuristic;
-use crate::leaf;
+use crate::leaf::{self, Collector};
 use crate::mem::Array;
 use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::parts::{Part, Parts, Place, Written};
-use crate::probe::Probe;
+use crate::probe::{Counts, Probe};
 use crate::simd::{Block, Level};
-use crate::tile::{Cost, Packed};
+use crate::tile::{Batched, Cost, Packed};
 
 /// A finished kd-tree, with its own copies of the triangles. Plain arrays without pointers.
 #[derive(Debug, Clone)]
@@ -131,13 +131,19 @@ impl KdTree {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.level.run(trace::Walk::<_, leaf::Closest> { tree: self, ray, probe, start: () })
+        self.cast::<leaf::Closest>(ray, probe)
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.level.run(trace::Walk::<_, leaf::Any> { tree: self, ray, probe, start: () })
+        self.cast::<leaf::Any>(ray, probe)
+    }
+
+    /// What a ray finds.
+    #[inline(always)]
+    pub(crate) fn cast<C: Collector<Start = ()>>(&self, ray: &Ray, probe: &mut impl Probe) -> C::Output {
+        self.level.run(trace::Walk::<_, C> { tree: self, ray, probe, start: () })
     }
 
     /// The nearest hit that `passes`.
@@ -155,32 +161,6 @@ impl KdTree {
         hits.clear();
         self.level.run(trace::Walk::<_, leaf::All<'_>> { tree: self, ray, probe, start: hits });
         leaf::in_order(hits);
-    }
-
-    /// [`Self::closest`] of each ray; `width` is how many rays a row has, if they are whole rows of a picture.
-    pub(crate) fn closest_part(&self, rays: &[Ray], hits: &mut [Option<Hit>], width: Option<usize>) {
-        self.part::<leaf::Closest>(rays, hits, width);
-    }
-
-    /// [`Self::occluded`] of each ray.
-    pub(crate) fn occluded_part(&self, rays: &[Ray], hits: &mut [bool], width: Option<usize>) {
-        self.part::<leaf::Any>(rays, hits, width);
-    }
-
-    /// [`Self::closest`] of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
-    pub(crate) fn closest_effort(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> u64 {
-        let cost = self.part::<leaf::Closest>(rays, hits, None);
-        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.closest(ray, counts))
-    }
-
-    /// [`Self::occluded`] of each ray, likewise.
-    pub(crate) fn occluded_effort(&self, rays: &[Ray], hits: &mut [bool]) -> u64 {
-        let cost = self.part::<leaf::Any>(rays, hits, None);
-        cost.with_others::<tile::Costs, _>(rays, |ray, counts| self.occluded(ray, counts))
-    }
-
-    fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
-        self.level.run(tile::Part::<C> { tree: self, rays, answers, width })
     }
 
     /// The root, in a form of its own since it has no sibling.
@@ -216,6 +196,18 @@ impl KdTree {
         hash.update(bytemuck::cast_slice(&self.lines));
         hash.update(bytemuck::cast_slice(&self.blocks));
         hash.digest()
+    }
+}
+
+impl Batched for KdTree {
+    type Costs = tile::Costs;
+
+    fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
+        self.level.run(tile::Part::<C> { tree: self, rays, answers, width })
+    }
+
+    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {
+        self.cast::<C>(ray, counts)
     }
 }
 

@@ -35,7 +35,7 @@ struct Entry {
 }
 
 /// The most subtrees that wait: one on each level.
-const STACK: usize = StopRule::DEEPEST as usize + 1;
+pub(super) const STACK: usize = StopRule::DEEPEST as usize + 1;
 
 /// The part of the ray that is in the node at hand, and what waits behind it.
 struct Way<'s> {
@@ -76,7 +76,7 @@ impl Way<'_> {
 }
 
 /// The value of an axis index that stands for a leaf; arrays have four elements so that no index needs a check.
-const LEAF: usize = 3;
+pub(super) const LEAF: usize = 3;
 
 /// A ray's constants for split planes: t = split · inverse + start, less and more the pad.
 struct Planes {

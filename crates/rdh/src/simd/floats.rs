@@ -3,6 +3,7 @@
 //! No implementation calls intrinsics in closures: those lose the instruction set, and each intrinsic becomes a call.
 
 use super::Eight;
+use crate::geom::{larger, smaller};
 
 /// Eight or sixteen floats. Comparisons give lanes of all ones or all zeros; nothing that has to be the same everywhere is fused.
 pub(crate) trait Floats: Copy {
@@ -107,6 +108,26 @@ pub(super) use operations;
 #[inline(always)]
 pub(crate) fn all_lanes<F: Floats>() -> u32 {
     (1 << F::COUNT) - 1
+}
+
+/// The smallest lane. What is no number is left out.
+#[inline(always)]
+pub(crate) fn lowest<F: Floats>(x: &F) -> f32 {
+    let mut lowest = f32::INFINITY;
+    for i in 0..F::COUNT {
+        lowest = smaller(x.lane(i), lowest);
+    }
+    lowest
+}
+
+/// The largest lane. What is no number is left out.
+#[inline(always)]
+pub(crate) fn highest<F: Floats>(x: &F) -> f32 {
+    let mut highest = f32::NEG_INFINITY;
+    for i in 0..F::COUNT {
+        highest = larger(x.lane(i), highest);
+    }
+    highest
 }
 
 /// Of each of eight, its smallest and its largest lane. No lane may be no number.

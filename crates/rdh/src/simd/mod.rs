@@ -46,7 +46,7 @@ pub(crate) use approach::{Approach, Passing};
 pub(crate) use block::{Block, LANES, Lanes};
 pub(crate) use boxes::{BoxRay, Boxes};
 pub(crate) use eight::Eight;
-pub(crate) use floats::{Floats, Hits, all_lanes, extremes, sheared, size};
+pub(crate) use floats::{Floats, Hits, all_lanes, extremes, highest, lowest, sheared, size};
 pub(crate) use four::Four;
 pub(crate) use guess::{apart, guessed_if, guessed_next};
 pub(crate) use indices::Indices;

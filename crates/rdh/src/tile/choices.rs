@@ -9,7 +9,7 @@ use crate::geom::{Aabb, Ray};
 const FEWEST: usize = 16;
 
 /// What is next of a part.
-pub(crate) enum Next {
+pub(super) enum Next {
     /// Rays to try a tile with.
     Tile(Choice),
     /// Rays that go otherwise.
@@ -19,7 +19,7 @@ pub(crate) enum Next {
 }
 
 /// A part's rays, window by window, as long as tiles pay.
-pub(crate) struct Choices {
+pub(super) struct Choices {
     extent: Extent,
     windows: Windows,
     patience: Patience,
@@ -33,14 +33,14 @@ pub(crate) struct Choices {
 
 impl Choices {
     /// Of so many rays, which are rows of `width` of a picture or have no rows, through a structure within `bounds`.
-    pub(crate) fn new(count: usize, width: Option<usize>, bounds: &Aabb, has_tiles: bool) -> Self {
+    pub(super) fn new(count: usize, width: Option<usize>, bounds: &Aabb, has_tiles: bool) -> Self {
         let (extent, windows) = (Extent::of(bounds, count), Windows::new(count, width));
         Self { extent, windows, patience: Patience::default(), mixed: None, is_class: false, has_tiles }
     }
 
     /// The next ones.
     #[inline(always)]
-    pub(crate) fn next(&mut self, rays: &[Ray]) -> Next {
+    pub(super) fn next(&mut self, rays: &[Ray]) -> Next {
         self.is_class = self.mixed.is_some();
         let choice = match self.mixed.take() {
             Some(choice) => {
@@ -64,13 +64,13 @@ impl Choices {
 
     /// A tile has walked: whether it was worth it.
     #[inline(always)]
-    pub(crate) fn has_paid(&mut self, has_paid: bool) {
+    pub(super) fn has_paid(&mut self, has_paid: bool) {
         self.patience.note(has_paid);
     }
 
     /// The last choice made no tile: its rays come again class by class, or go otherwise.
     #[inline(always)]
-    pub(crate) fn failed(&mut self, choice: Choice) -> Option<Choice> {
+    pub(super) fn failed(&mut self, choice: Choice) -> Option<Choice> {
         if self.is_class {
             return Some(choice);
         }
@@ -78,18 +78,13 @@ impl Choices {
         None
     }
 
-    /// Whether the rays from [`Self::from`] on are all that is left.
-    pub(crate) fn is_between_windows(&self) -> bool {
-        self.mixed.is_none()
-    }
-
-    /// The first ray that is left, or that of the row whose rays are handed out.
-    pub(crate) fn from(&self) -> usize {
-        self.windows.from()
+    /// The first ray that is left, or that of the row whose rays are handed out, if those from there on are all that are left.
+    pub(super) fn rest(&self) -> Option<usize> {
+        self.mixed.is_none().then(|| self.windows.from())
     }
 
     /// Whether there are no more rays.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.mixed.is_none() && self.windows.is_empty()
     }
 }

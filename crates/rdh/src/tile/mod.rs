@@ -7,23 +7,30 @@
 //! A tile's rays run in one octant and have one longest axis. How it walks is each kind of tree's own; what a packet asks of boxes and
 //! triangles, and which rays make a tile, is here.
 
+mod batched;
+mod bundle;
 mod choice;
 mod choices;
 mod coherence;
 mod cost;
 mod effort;
+mod interval;
 mod others;
 mod packet;
 mod patience;
+mod tiles;
 mod windows;
 
+pub(crate) use batched::Batched;
+pub(crate) use bundle::{Bundle, Lead, Reaches, Space, Tiled};
 pub(crate) use choice::Choice;
-pub(crate) use choices::{Choices, Next};
 pub(crate) use coherence::are_unordered;
 pub(crate) use cost::Cost;
 pub(crate) use effort::{Effort, Prices};
+pub(crate) use interval::Interval;
 pub(crate) use others::{Others, OthersSlots};
 pub(crate) use packet::{Class, Leaf, Packet, Planes, Reach};
+pub(crate) use tiles::Tiles;
 pub(crate) use windows::Windows;
 
 use crate::geom::{Hit, Ray};
@@ -79,26 +86,6 @@ impl Packed for Any {
     }
 }
 
-/// Where a walk wants to know what packets reach: all together, or each.
-pub(crate) trait Reaches<R> {
-    /// What is widened by a packet.
-    fn of_packet(&mut self, packet: usize) -> &mut Reach<R>;
-}
-
-impl<R: Floats> Reaches<R> for Reach<R> {
-    #[inline(always)]
-    fn of_packet(&mut self, _packet: usize) -> &mut Self {
-        self
-    }
-}
-
-impl<R: Floats> Reaches<R> for [Reach<R>; PACKETS] {
-    #[inline(always)]
-    fn of_packet(&mut self, packet: usize) -> &mut Reach<R> {
-        &mut self[packet & (PACKETS - 1)]
-    }
-}
-
 impl<R: Floats> Tile<R> {
     /// Without rays.
     #[inline(always)]
@@ -108,13 +95,7 @@ impl<R: Floats> Tile<R> {
 
     /// Takes over rays, if they are usual ones of one class; what they reach is then widened by them.
     #[inline(always)]
-    pub(crate) fn fill(
-        &mut self,
-        rays: &[Ray],
-        choice: &Choice,
-        (magnitude, masks): (f32, bool),
-        reaches: &mut impl Reaches<R>,
-    ) -> bool {
+    pub(crate) fn fill(&mut self, rays: &[Ray], choice: &Choice, space: &Space, reaches: &mut impl Reaches<R>) -> bool {
         let chosen = choice.rays();
         let Some(&last) = chosen.last() else { return false };
         let count = chosen.len().div_ceil(R::COUNT);
@@ -146,8 +127,8 @@ impl<R: Floats> Tile<R> {
         self.count = count;
         for (i, packet) in self.packets[..count].iter_mut().enumerate() {
             let filled = (chosen.len() - R::COUNT * i).min(R::COUNT);
-            packet.fill(&loaded[i], (1 << filled) - 1, self.class, magnitude, reaches.of_packet(i));
-            if masks {
+            packet.fill(&loaded[i], (1 << filled) - 1, self.class, space.magnitude, reaches.of_packet(i));
+            if space.has_masks {
                 let chosen = &chosen[R::COUNT * i..];
                 packet.see(|lane| chosen.get(lane).map_or(0, |&ray| rays[ray as usize].mask));
             }

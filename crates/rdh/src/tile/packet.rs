@@ -3,7 +3,7 @@
 //! Boxes get the constants of single rays, so that what is said of those (docs/watertight.md, section 4) holds lane by lane; triangles
 //! are sifted by the operations of single rays, and what is left goes through THE triangle test, side by side as well.
 
-use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId, larger};
+use crate::geom::{GeomId, Hit, InstId, PlaneFrame, Ray, TriId};
 use crate::simd::{Block, Boxes, Eight, Floats, Hits, LANES, Sifted, all_lanes, reached_side_by_side, sheared, size};
 
 /// What rays of a tile have in common.
@@ -301,16 +301,6 @@ impl<R: Floats> Packet<R> {
         for lane in 0..R::COUNT {
             self.masks.set_lane(lane, f32::from_bits(mask(lane)));
         }
-    }
-
-    /// Where the last of its rays ends.
-    #[inline(always)]
-    pub(crate) fn last_end(&self) -> f32 {
-        let mut last = f32::NEG_INFINITY;
-        for lane in 0..R::COUNT {
-            last = larger(self.end.lane(lane), last);
-        }
-        last
     }
 
     /// The rays that meet a box, a bit a lane.

@@ -10,9 +10,10 @@ mod walk;
 
 pub(crate) use part::Part;
 
-use crate::geom::Ray;
-use crate::simd::Floats;
-use crate::tile::{Choice, Class, Effort, Prices, Reach, Tile};
+use crate::bvh::Bvh;
+use crate::bvh::leaves::AnyLeaves;
+use crate::simd::{Floats, Kernels};
+use crate::tile::{Bundle, Packed, Prices, Space, Tiled};
 
 use beam::Beam;
 
@@ -35,41 +36,29 @@ impl Prices for Costs {
     const COUNTED_LEAF: u64 = 75;
 }
 
-/// A tile, and the beam around its rays.
-struct Bundle<R: Floats> {
-    tile: Tile<R>,
-    beam: Beam<R::Eight>,
-    effort: Effort<Costs>,
-}
+impl Tiled for Bvh<8, AnyLeaves> {
+    type Lead<R: Floats> = Beam<R::Eight>;
+    type Costs = Costs;
 
-impl<R: Floats> Bundle<R> {
-    /// Without rays.
-    #[inline(always)]
-    fn empty() -> Self {
-        let beam = Beam::new(&Reach::<R>::nothing(), Class::new(0, 0));
-        Self { tile: Tile::empty(), beam, effort: Effort::of(0) }
+    fn space(&self) -> Space {
+        let Self { scale, bounds, magnitude, ref masks, .. } = *self;
+        Space { scale, bounds, magnitude, has_masks: masks.is_some() }
     }
 
-    /// Takes over rays, if they are usual ones of one class.
     #[inline(always)]
-    fn fill(&mut self, rays: &[Ray], choice: &Choice, tree: (f32, bool)) -> bool {
-        let mut reach = Reach::nothing();
-        if !self.tile.fill(rays, choice, tree, &mut reach) {
-            return false;
-        }
-        self.effort = Effort::of(choice.rays().len());
-        self.beam = Beam::new(&reach, self.tile.class);
-        true
+    fn walk<K: Kernels, C: Packed>(&self, bundle: &mut Bundle<K::Rays, Self>) -> bool {
+        bundle.walk::<K, C>(self)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bvh::{Bvh, BvhSpec, Copies};
-    use crate::geom::Hit;
+    use crate::bvh::{BvhSpec, Copies};
+    use crate::geom::{Hit, Ray};
     use crate::leaf::{Any, Closest};
-    use crate::simd::{Job, Kernels, Level, Two};
+    use crate::simd::{Job, Level, Two};
+    use crate::tile::Choice;
     use crate::{BuildOptions, Mesh};
 
     /// What a tile finds, if it is one: in packets as the level has them, and in those of eight and of sixteen rays.
@@ -87,21 +76,18 @@ mod tests {
     impl Alone<'_> {
         #[inline(always)]
         fn find<K: Kernels, R: Floats<Eight = K::Eight>>(&self) -> Option<Vec<Option<Hit>>> {
-            let (tree, choice) = ((self.0.magnitude, self.0.masks.is_some()), Choice::run(0, self.1.len()));
-            let mut bundle = Bundle::<R>::empty();
-            if !bundle.fill(self.1, &choice, tree) {
+            let (tree, choice) = (&self.0.with_any_leaves(), Choice::run(0, self.1.len()));
+            let (mut bundle, space) = (Bundle::<R, _>::empty(), tree.space());
+            if !bundle.fill(self.1, &choice, &space) {
                 return None;
             }
-            if !bundle.walk::<K, Closest>(&self.0.with_any_leaves()) {
+            if !bundle.walk::<K, Closest>(tree) {
                 return None;
             }
             let (mut hits, mut any) = (vec![None; self.1.len()], vec![false; self.1.len()]);
             bundle.tile.read::<Closest>(choice.rays(), &mut hits);
-            assert!(bundle.fill(self.1, &choice, tree));
-            assert!(
-                bundle.walk::<K, Any>(&self.0.with_any_leaves()),
-                "it goes to the end where the nearest hits are found"
-            );
+            assert!(bundle.fill(self.1, &choice, &space));
+            assert!(bundle.walk::<K, Any>(tree), "it goes to the end where the nearest hits are found");
             bundle.tile.read::<Any>(choice.rays(), &mut any);
             assert!(
                 any.iter().copied().eq(hits.iter().map(Option::is_some)),

@@ -3,7 +3,6 @@
 
 use std::mem;
 
-use super::Bundle;
 use super::sorted::{self, makes_neighbours, sorted};
 use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
@@ -11,8 +10,8 @@ use crate::bvh::recent::Recent;
 use crate::bvh::strands;
 use crate::bvh::trace::Walk;
 use crate::geom::Ray;
-use crate::simd::{Floats, Job, Kernels, prefetch};
-use crate::tile::{Choices, Cost, Next, Others, OthersSlots, Packed, are_unordered};
+use crate::simd::{Job, Kernels, prefetch};
+use crate::tile::{Cost, Others, OthersSlots, Packed, Tiles, are_unordered};
 
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
@@ -33,37 +32,27 @@ impl<C: Packed> Job for Part<'_, C> {
     fn run<K: Kernels>(mut self) -> Cost {
         let mut sorts = self.sorts();
         let mut turns_pay = if self.tries_turns(sorts) { None } else { Some(false) };
-        let has_tiles = K::PACKETS && self.tree.scale.factor() == 1.0;
-        let choices = Choices::new(self.rays.len(), self.width, &self.tree.bounds, has_tiles);
-        let mut tiles = Tiles::<K::Rays> { bundle: None, choices, cost: Cost::default() };
+        let mut tiles = Tiles::<K, _>::new(self.tree, self.rays.len(), self.width);
         let mut slots = OthersSlots::new();
         let mut others = Others::none(&mut slots);
         let mut done = false;
         while !done {
-            let now = turns_pay == Some(false) && tiles.choices.is_between_windows() && mem::take(&mut sorts);
-            let all = if now { sorted(self.rays, tiles.choices.from()) } else { None };
+            let rest = tiles.rest().filter(|_| turns_pay == Some(false) && mem::take(&mut sorts));
+            let all = rest.and_then(|from| sorted(self.rays, from));
             let which = match &all {
                 Some(all) => &all[..],
                 None => {
-                    self.cast_tiles::<K>(&mut tiles, &mut others);
+                    tiles.cast::<C>(self.tree, self.rays, self.answers, &mut others);
                     others.rays()
                 }
             };
             self.cast_others(which, all.is_some(), &mut turns_pay);
-            tiles.cost.others += which.len();
-            done = all.is_some() || tiles.choices.is_empty();
+            tiles.cast_otherwise(which.len());
+            done = all.is_some() || tiles.are_done();
             others.clear();
         }
-        tiles.cost
+        tiles.cost()
     }
-}
-
-/// What becomes of a part, window by window.
-struct Tiles<R: Floats> {
-    /// None before the first tile: small batches would take long to make one ready.
-    bundle: Option<Bundle<R>>,
-    choices: Choices,
-    cost: Cost,
 }
 
 /// A structure up to this size stays in a core's caches or nearly: no turns.
@@ -87,37 +76,6 @@ impl<C: Packed> Part<'_, C> {
     /// Whether it is to be tried out if turns pay.
     fn tries_turns(&self, sorts: bool) -> bool {
         self.bytes > if sorts { HUGE } else { LARGE }
-    }
-
-    /// Casts what makes tiles, until there are enough others or no rays are left.
-    #[inline(always)]
-    fn cast_tiles<K: Kernels>(&mut self, tiles: &mut Tiles<K::Rays>, others: &mut Others<'_>) {
-        let (Tiles { bundle, choices, cost }, tree) = (tiles, (self.tree.magnitude, self.tree.masks.is_some()));
-        while !others.are_enough() {
-            match choices.next(self.rays) {
-                Next::End => return,
-                Next::Others(choice) => others.add(choice.rays()),
-                // There are none: this spares the program their code.
-                Next::Tile(choice) if !K::PACKETS => others.add(choice.rays()),
-                Next::Tile(choice) => {
-                    if bundle.is_none() {
-                        *bundle = Some(Bundle::empty());
-                    }
-                    let Some(bundle) = bundle else { return };
-                    if bundle.fill(self.rays, &choice, tree) {
-                        if bundle.walk::<K, C>(self.tree) {
-                            bundle.tile.read::<C>(choice.rays(), self.answers);
-                        } else {
-                            bundle.tile.read_settled::<C>(choice.rays(), self.answers, others);
-                        }
-                        choices.has_paid(bundle.effort.has_paid());
-                        cost.cycles += bundle.effort.cycles();
-                    } else if let Some(choice) = choices.failed(choice) {
-                        others.add(choice.rays());
-                    }
-                }
-            }
-        }
     }
 
     /// Rays without order take turns where they wait for memory, which their first ones try out; elsewhere turns cost a quarter.

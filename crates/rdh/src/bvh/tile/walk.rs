@@ -1,6 +1,5 @@
 //! A tile's way through the tree: nearest boxes first, without recursion or allocation.
 
-use super::Bundle;
 use crate::bvh::Bvh;
 use crate::bvh::leaves::{AnyLeaves, Corners};
 use crate::bvh::link::Link;
@@ -8,7 +7,7 @@ use crate::bvh::trace::STACK;
 use crate::leaf::Collector;
 use crate::mem::{Slots, Stack};
 use crate::simd::{Entered, Floats, Kernels};
-use crate::tile::{Leaf, PACKETS, Planes};
+use crate::tile::{Bundle, Leaf, PACKETS, Planes};
 
 /// A child to be visited: where the beam enters its box, and which packets may meet it.
 #[derive(Debug, Clone, Copy)]
@@ -20,7 +19,7 @@ struct Entry {
     last: u8,
 }
 
-impl<R: Floats> Bundle<R> {
+impl<R: Floats> Bundle<R, Bvh<8, AnyLeaves>> {
     /// Leads the tile through the tree; not to the end if that becomes too dear.
     #[inline(always)]
     pub(super) fn walk<K: Kernels<Eight = R::Eight>, C: Collector>(&mut self, tree: &Bvh<8, AnyLeaves>) -> bool {
@@ -31,7 +30,7 @@ impl<R: Floats> Bundle<R> {
         let root = Entry { t: f32::NEG_INFINITY, node: 0, lane: 0, first: 0, last: (self.tile.count - 1) as u8 };
         self.enter::<C>(tree, root, 0, &mut stack, &mut t);
         while let Some(entry) = stack.pop() {
-            if entry.t > self.beam.end() {
+            if entry.t > self.lead.end() {
                 continue;
             }
             let boxes = &tree.nodes[entry.node as usize];
@@ -77,7 +76,7 @@ impl<R: Floats> Bundle<R> {
         stack: &mut Stack<'_, Entry, STACK>,
         t: &mut Entered<8>,
     ) {
-        let mut met = self.beam.meet(&tree.nodes[node], t);
+        let mut met = self.lead.meet(&tree.nodes[node], t);
         let bottom = stack.len();
         while met != 0 {
             let lane = if C::ANY { 7 - (met << 24).leading_zeros() } else { met.trailing_zeros() } & 7;
@@ -112,7 +111,7 @@ impl<R: Floats> Bundle<R> {
             for packet in &self.tile.packets[..self.tile.count] {
                 ends = ends.max(packet.end);
             }
-            self.beam.end_at(ends);
+            self.lead.end_at(ends);
         }
     }
 }

@@ -11,15 +11,15 @@ mod walk;
 
 pub(super) use part::Part;
 
-use crate::geom::Ray;
-use crate::simd::Floats;
-use crate::tile::{Choice, Effort, PACKETS, Prices, Reach, Tile};
+use crate::kd::KdTree;
+use crate::simd::{Floats, Kernels};
+use crate::tile::{Bundle, Packed, Prices, Space, Tiled};
 
 use beams::Beams;
 
 /// What it costs: fitted to 12,604 groups of 16 tiles that were cast both ways, in eight scenes, by SAH and RDH, rows, shadows, AO and
 /// bounces: 4 % of them are judged wrongly, which costs 0.4 % of the time (Zen 3); in units of the hierarchies'.
-pub(super) struct Costs;
+pub(crate) struct Costs;
 
 impl Prices for Costs {
     const READY: u32 = 44;
@@ -34,44 +34,31 @@ impl Prices for Costs {
     const COUNTED_LEAF: u64 = 79;
 }
 
-/// A tile, and the beams around its packets.
-struct Bundle<R: Floats> {
-    tile: Tile<R>,
-    reaches: [Reach<R>; PACKETS],
-    beams: Beams<R::Eight>,
-    effort: Effort<Costs>,
-}
+impl Tiled for KdTree {
+    type Lead<R: Floats> = Beams<R::Eight>;
+    type Costs = Costs;
 
-impl<R: Floats> Bundle<R> {
-    /// Without rays.
-    #[inline(always)]
-    fn empty() -> Self {
-        let reaches = [Reach::nothing(); PACKETS];
-        Self { tile: Tile::empty(), beams: Beams::none(), reaches, effort: Effort::of(0) }
+    fn space(&self) -> Space {
+        let Self { scale, bounds, magnitude, ref masks, .. } = *self;
+        Space { scale, bounds, magnitude, has_masks: masks.is_some() }
     }
 
-    /// Takes over rays, if they are usual ones of one class.
     #[inline(always)]
-    fn fill(&mut self, rays: &[Ray], choice: &Choice, tree: (f32, bool)) -> bool {
-        self.reaches = [Reach::nothing(); PACKETS];
-        if !self.tile.fill(rays, choice, tree, &mut self.reaches) {
-            return false;
-        }
-        self.effort = Effort::of(choice.rays().len());
-        self.beams = Beams::new(&self.reaches, self.tile.class);
-        true
+    fn walk<K: Kernels, C: Packed>(&self, bundle: &mut Bundle<K::Rays, Self>) -> bool {
+        bundle.walk::<C>(self)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geom::{Hit, Vec3};
+    use crate::geom::{Hit, Ray, Vec3};
     use crate::heuristic::Sah;
-    use crate::kd::{KdSpec, KdTree};
+    use crate::kd::KdSpec;
     use crate::leaf::{Any, Closest};
-    use crate::simd::{Job, Kernels, Level, Two};
+    use crate::simd::{Job, Level, Two};
     use crate::soup::{numbers, soup};
+    use crate::tile::Choice;
     use crate::{BuildOptions, Mesh};
 
     /// What a tile finds, if it is one: in packets as the level has them, and in those of eight and of sixteen rays.
@@ -89,9 +76,9 @@ mod tests {
     impl Alone<'_> {
         #[inline(always)]
         fn find<R: Floats>(&self) -> Option<Vec<Option<Hit>>> {
-            let (tree, choice) = ((self.0.magnitude, self.0.masks.is_some()), Choice::run(0, self.1.len()));
-            let mut bundle = Bundle::<R>::empty();
-            if !bundle.fill(self.1, &choice, tree) {
+            let (space, choice) = (self.0.space(), Choice::run(0, self.1.len()));
+            let mut bundle = Bundle::<R, _>::empty();
+            if !bundle.fill(self.1, &choice, &space) {
                 return None;
             }
             if !bundle.walk::<Closest>(self.0) {
@@ -99,7 +86,7 @@ mod tests {
             }
             let (mut hits, mut any) = (vec![None; self.1.len()], vec![false; self.1.len()]);
             bundle.tile.read::<Closest>(choice.rays(), &mut hits);
-            assert!(bundle.fill(self.1, &choice, tree));
+            assert!(bundle.fill(self.1, &choice, &space));
             if !bundle.walk::<Any>(self.0) {
                 return Some(hits);
             }

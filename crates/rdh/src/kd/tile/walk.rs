@@ -4,20 +4,14 @@
 //! first ray may cross it: what single rays do (`kd/trace.rs`), with intervals that hold for all of them. So a packet comes to each leaf
 //! that one of its rays would come to; there each ray's own interval decides.
 
-use super::Bundle;
 use crate::geom::Aabb;
 use crate::kd::KdTree;
 use crate::kd::node::Node;
-use crate::kd::stop::StopRule;
+use crate::kd::trace::{LEAF, STACK};
 use crate::leaf::Collector;
 use crate::mem::Slots;
-use crate::simd::{Floats, LANES};
-use crate::tile::{Class, Leaf, PACKETS, Packet, Planes};
-
-/// The value of an axis index that stands for a leaf.
-const LEAF: usize = 3;
-/// The most subtrees that wait: one on each level.
-const STACK: usize = StopRule::DEEPEST as usize + 1;
+use crate::simd::{Floats, LANES, highest};
+use crate::tile::{Bundle, Class, Leaf, PACKETS, Packet, Planes};
 
 /// The box of a node, by which of its planes rays of a class meet first.
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +57,7 @@ struct Entry<E> {
     packets: u32,
 }
 
-impl<R: Floats> Bundle<R> {
+impl<R: Floats> Bundle<R, KdTree> {
     /// Leads the tile through the tree; not to the end if that becomes too dear.
     #[inline(always)]
     pub(super) fn walk<C: Collector>(&mut self, tree: &KdTree) -> bool {
@@ -75,7 +69,7 @@ impl<R: Floats> Bundle<R> {
             if at.packets != 0 && a != LEAF {
                 self.effort.node(at.packets.count_ones());
                 let split = at.node.split();
-                let (from, until) = self.beams.meet(a, split);
+                let (from, until) = self.lead.meet(a, split);
                 let [left, right] = pairs[at.node.pair() as usize];
                 let (near, far) = if class.near(a) == 1 { (right, left) } else { (left, right) };
                 let to_near = at.packets & !until.lt(at.from).signs();
@@ -99,8 +93,8 @@ impl<R: Floats> Bundle<R> {
                 return false;
             }
             let Some(next) = stack.pop() else { return true };
-            let packets = next.packets & next.from.le(self.beams.end).signs();
-            at = Entry { until: next.until.min(self.beams.end), packets, ..next };
+            let packets = next.packets & next.from.le(self.lead.end).signs();
+            at = Entry { until: next.until.min(self.lead.end), packets, ..next };
         }
     }
 
@@ -108,10 +102,10 @@ impl<R: Floats> Bundle<R> {
     #[inline(always)]
     fn set_out(&self, tree: &KdTree) -> Entry<R::Eight> {
         let cell = Cell::of(&tree.bounds, self.tile.class);
-        let (mut from, mut until) = (self.beams.start, self.beams.end);
+        let (mut from, mut until) = (self.lead.start, self.lead.end);
         for a in 0..3 {
-            from = from.max(self.beams.meet(a, cell.near[a]).0);
-            until = until.min(self.beams.meet(a, cell.far[a]).1);
+            from = from.max(self.lead.meet(a, cell.near[a]).0);
+            until = until.min(self.lead.meet(a, cell.far[a]).1);
         }
         let packets = from.le(until).signs() & ((1 << self.tile.count) - 1);
         Entry { from, until, cell, node: tree.root, packets }
@@ -131,7 +125,7 @@ impl<R: Floats> Bundle<R> {
             packets &= packets - 1;
             let rays = self.tile.packets[i].meet(&planes);
             if rays != 0 && self.test_run::<C>(tree, (block, lane, count), i, rays) {
-                self.beams.end.set_lane(i, self.tile.packets[i].last_end());
+                self.lead.end.set_lane(i, highest(&self.tile.packets[i].end));
             }
         }
     }

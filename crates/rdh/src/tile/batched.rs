@@ -1,0 +1,23 @@
+//! Trees that cast many rays at once.
+
+use super::{Cost, Packed, Prices};
+use crate::geom::Ray;
+use crate::probe::Counts;
+
+/// A tree that casts parts of batches.
+pub(crate) trait Batched {
+    /// What its steps cost.
+    type Costs: Prices;
+
+    /// The answer of each ray, as one thread casts them; `width` is how many rays a row has, if they are whole rows of a picture.
+    fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost;
+
+    /// The answer of one ray, and what it cost, added to `counts`.
+    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output;
+
+    /// The answer of each ray, and what that takes in cycles of a CPU with AVX2, about: by what is counted, not by the time.
+    fn effort<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output]) -> u64 {
+        let cost = self.part::<C>(rays, answers, None);
+        cost.with_others::<Self::Costs, _>(rays, |ray, counts| self.counted::<C>(ray, counts))
+    }
+}
