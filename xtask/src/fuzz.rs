@@ -4,8 +4,9 @@ use std::process::{Command, Stdio};
 use std::sync::Mutex;
 
 use anyhow::{Context, Result, bail};
+use serde_json::json;
 
-use crate::reliability::{Verdict, grouped, keep};
+use crate::reliability::{Verdict, found, grouped, keep_found};
 
 /// Fuzz everything that reads or builds.
 #[derive(Debug, clap::Parser)]
@@ -44,10 +45,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let mut outcomes = side_by_side(Mutex::new(targets), arguments)?;
     outcomes.sort_by(|a, b| a.target.cmp(&b.target));
     let is_clean = outcomes.iter().all(|outcome| outcome.is_clean);
-    let counts: Vec<String> = outcomes.iter().map(|o| format!("{} {}", o.target, grouped(o.runs))).collect();
-    let count = format!("{} s each; runs: {}", grouped(arguments.secs), counts.join(", "));
-    keep("fuzz", &count, &if is_clean { Verdict::Fine } else { Verdict::Failed("see fuzz/artifacts") })?;
+    keep_sums(&outcomes, arguments.secs)?;
     Ok(is_clean)
+}
+
+/// Adds to what was tried before, target by target; where something was found, all was tried in vain.
+fn keep_sums(outcomes: &[Outcome], secs: u64) -> Result<()> {
+    let mut sums = found("fuzz")?.unwrap_or_default();
+    for Outcome { target, runs, is_clean } in outcomes {
+        let before = |key: &str| sums[target][key].as_u64().filter(|_| sums[target]["is_clean"] == true).unwrap_or(0);
+        sums[target] = json!({ "secs": before("secs") + secs, "runs": before("runs") + runs, "is_clean": is_clean });
+    }
+    let all = || sums.as_object().into_iter().flat_map(|targets| targets.values());
+    let sum = |key: &str| all().filter_map(|came| came[key].as_u64()).sum::<u64>();
+    let hours = sum("secs") as f64 / 3600.0;
+    let count = format!("{} targets, {hours:.1} hours, {} inputs, as below", all().count(), grouped(sum("runs")));
+    let is_clean = all().all(|came| came["is_clean"] == true);
+    let verdict = if is_clean { Verdict::Fine } else { Verdict::Failed("see fuzz/artifacts") };
+    keep_found("fuzz", &count, &verdict, sums)
 }
 
 /// All targets together first, so that those side by side do not wait for each other's compiling.

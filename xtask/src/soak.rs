@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use crate::reliability::{self, Verdict, grouped, keep};
+use crate::reliability::{Verdict, grouped, keep_found};
 
 /// Cast rays from inside closed meshes through every structure: a miss, or two answers, is a failure.
 ///
@@ -45,14 +45,14 @@ pub(crate) struct Arguments {
 /// Whether nothing was missed.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     let root = crate::root();
-    let kept = reliability::folder()?.join(if arguments.brute { "brute.json" } else { "soak.json" });
+    let found = crate::target()?.join(if arguments.brute { "brute.json" } else { "soak.json" });
     // Nothing old may stand for a run that ends early.
-    std::fs::remove_file(&kept).ok();
+    std::fs::remove_file(&found).ok();
     let beside = root.join("../shared/scenes");
     let scenes = arguments.scenes.clone().or_else(|| beside.join("scenes.toml").is_file().then_some(beside));
     let mut command = Command::new("cargo");
     command.args(["run", "--quiet", "--profile", &arguments.profile, "-p", "rdh-study", "--example", "soak", "--"]);
-    command.args(["--rays", &arguments.rays, "--seed", &arguments.seed.to_string()]).arg("--json").arg(&kept);
+    command.args(["--rays", &arguments.rays, "--seed", &arguments.seed.to_string()]).arg("--json").arg(&found);
     if let Some(minutes) = arguments.minutes {
         command.args(["--minutes", &minutes.to_string()]);
     }
@@ -66,18 +66,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
         command.arg("--engines").arg(engines).args(["--engine-rays", &arguments.engine_rays.to_string()]);
     }
     let fine = command.current_dir(root).status().context("cargo")?.success();
-    keep_record(arguments, &kept, fine)?;
-    if arguments.engines.is_some() {
-        std::fs::copy(&kept, reliability::folder()?.join("others.json"))?;
-    }
+    let text =
+        std::fs::read_to_string(&found).with_context(|| format!("{}: nothing was found out", found.display()))?;
+    keep_records(arguments, serde_json::from_str(&text)?, fine)?;
     Ok(fine)
 }
 
-/// What the page says in its table.
-fn keep_record(arguments: &Arguments, kept: &Path, fine: bool) -> Result<()> {
+/// What the page says in its tables.
+fn keep_records(arguments: &Arguments, mut found: Value, fine: bool) -> Result<()> {
+    if arguments.engines.is_some() {
+        let count = format!("{} rays of each mesh and aim", grouped(arguments.engine_rays as u64));
+        let others = json!({ "aims": found["aims"], "others": found["others"].take() });
+        keep_found("others", &count, &Verdict::Fine, others)?;
+    }
     let check = if arguments.brute { "brute" } else { "soak" };
-    let text = std::fs::read_to_string(kept).with_context(|| format!("{}: nothing was found out", kept.display()))?;
-    let found: Value = serde_json::from_str(&text)?;
     let total = |key: &str| found["total"][key].as_u64().unwrap_or_default();
     let in_batches = |which: usize| batches(&found).map(|form| form[which]).sum::<u64>();
     let meshes = found["meshes"].as_array().map_or(0, Vec::len);
@@ -89,7 +91,7 @@ fn keep_record(arguments: &Arguments, kept: &Path, fine: bool) -> Result<()> {
     );
     let (missed, different) = (total("misses") + in_batches(1), total("different") + in_batches(2));
     let why = format!("{missed} missed, {different} different");
-    keep(check, &count, &if fine { Verdict::Fine } else { Verdict::Failed(&why) })
+    keep_found(check, &count, &if fine { Verdict::Fine } else { Verdict::Failed(&why) }, found)
 }
 
 /// Casts, misses, and answers other than alone, of each form of batches.

@@ -1,20 +1,21 @@
 //! `cargo xtask reliability`: what is promised, how it is tested, and what came of it the last time, as a page of docs.
 //!
-//! Every check keeps its result in `target/reliability`, one file each; the page is made from these alone, so it says nothing that was
-//! not found out. A check that wasn't run says so.
+//! Every check keeps its record in `docs/reliability`, a file each; the page is made from these alone, so it says nothing that was not
+//! found out. They are committed with it: what took hours stands, with its date and version, beside what was run since. A check that
+//! wasn't run says so.
 
 mod page;
 mod promises;
+mod record;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, ensure};
-use serde_json::{Value, json};
 
 pub(crate) use page::grouped;
 use promises::TESTS;
+pub(crate) use record::{Verdict, found, keep, keep_found};
 
 /// Write docs/reliability.md from what checks have found out.
 #[derive(Debug, clap::Args)]
@@ -35,37 +36,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if arguments.tests {
         TESTS.iter().try_for_each(|test| run_test(test, &arguments.profile).map(drop))?;
     }
-    let page = page::Page::of(&folder()?)?;
+    let page = page::Page::of(&record::folder())?;
     let path = crate::root().join(&arguments.output);
     std::fs::write(&path, page.text()).with_context(|| path.display().to_string())?;
     Ok(page.is_clean())
-}
-
-/// Where results are kept.
-pub(crate) fn folder() -> Result<PathBuf> {
-    let folder = crate::target()?.join("reliability");
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    Ok(folder)
-}
-
-/// What came of a check.
-pub(crate) enum Verdict<'a> {
-    Fine,
-    Failed(&'a str),
-    Skipped(&'a str),
-}
-
-/// Keeps what came of a check: how much was checked, in words, and the result.
-pub(crate) fn keep(check: &str, count: &str, result: &Verdict<'_>) -> Result<()> {
-    let (word, why) = match result {
-        Verdict::Fine => ("fine", ""),
-        Verdict::Failed(why) => ("failed", *why),
-        Verdict::Skipped(why) => ("skipped", *why),
-    };
-    let record =
-        json!({ "check": check, "count": count, "result": word, "why": why, "date": today(), "machine": machine() });
-    let path = folder()?.join(format!("{check}.record.json"));
-    std::fs::write(&path, record.to_string()).with_context(|| path.display().to_string())
 }
 
 /// Runs one of the ordinary tests by its name, keeps what came of it, and says whether it passed.
@@ -96,52 +70,9 @@ fn passed(line: &str) -> Option<u64> {
     line.strip_prefix("test result: ")?.split_whitespace().nth(1)?.parse().ok()
 }
 
-/// The date, UTC, as 2026-01-31.
-pub(crate) fn today() -> String {
-    let secs = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs());
-    let (year, month, day) = civil(secs / 86_400);
-    format!("{year}-{month:02}-{day:02}")
-}
-
-/// Year, month and day of a day since 1970 (H. Hinnant, chrono-compatible low-level date algorithms: `civil_from_days`).
-fn civil(days: u64) -> (u64, u64, u64) {
-    let days = days + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    (era * 400 + year + u64::from(month <= 2), month, day)
-}
-
-/// What the processor calls itself, where that can be found out.
-fn machine() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split(": ").nth(1));
-    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |name| name.trim().to_owned())
-}
-
-/// A kept file, if the check was run.
-fn read(path: &Path) -> Result<Option<Value>> {
-    match std::fs::read_to_string(path) {
-        Ok(text) => Ok(Some(serde_json::from_str(&text).with_context(|| path.display().to_string())?)),
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(e) => Err(e).with_context(|| path.display().to_string()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn days_are_dates() {
-        assert_eq!(civil(0), (1970, 1, 1));
-        assert_eq!(civil(19_782), (2024, 2, 29));
-        assert_eq!(civil(20_786), (2026, 11, 29));
-        assert_eq!(civil(11_016), (2000, 2, 29));
-    }
 
     #[test]
     fn passed_tests_are_counted() {

@@ -4,79 +4,63 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::Value;
 
 use super::promises::{PROMISES, Promise};
-use super::read;
-
-/// What is known of a check: how much, what came of it, when and where.
-struct Known {
-    count: String,
-    result: String,
-    failed: bool,
-    when: String,
-}
+use super::record::{Record, Word, read};
 
 pub(super) struct Page {
-    known: BTreeMap<&'static str, Known>,
-    /// What `soak` found out, in full; with brute force, if it was not run without.
-    soak: Option<Value>,
-    /// What other libraries missed, of the run that asked them last.
-    others: Option<Value>,
+    /// Of the checks that were run.
+    records: BTreeMap<&'static str, Record>,
 }
+
+/// What other libraries missed is no promise of ours: a record beside those of the promises.
+const OTHERS: &str = "others";
 
 impl Page {
     /// From what is kept in a folder.
     pub(super) fn of(folder: &Path) -> Result<Self> {
-        let mut known = BTreeMap::new();
-        for check in PROMISES.iter().map(|promise| promise.check) {
-            if let Some(record) = read(&folder.join(format!("{check}.record.json")))? {
-                known
-                    .insert(check, Known::of(&record).with_context(|| format!("{check}.record.json is not a record"))?);
+        let mut records = BTreeMap::new();
+        for check in PROMISES.iter().map(|promise| promise.check).chain([OTHERS]) {
+            if let Some(record) = read(folder, check)? {
+                records.insert(check, record);
             }
         }
-        let (soak, brute) = (read(&folder.join("soak.json"))?, read(&folder.join("brute.json"))?);
-        Ok(Self { known, soak: soak.or(brute), others: read(&folder.join("others.json"))? })
+        Ok(Self { records })
     }
 
     pub(super) fn is_clean(&self) -> bool {
-        self.known.values().all(|known| !known.failed)
+        self.records.values().all(|record| record.result != Word::Failed)
     }
 
     pub(super) fn text(&self) -> String {
         let mut out = String::from(HEAD);
         for Promise { promise, check, command } in &PROMISES {
-            let row = match self.known.get(check) {
-                Some(Known { count, result, when, .. }) => format!("{count} | {result} | {when}"),
-                None => "| not run |".to_owned(),
-            };
-            out += &format!("| {promise} | `{command}` | {row} |\n");
+            let row = self.records.get(check).map_or_else(|| "| not run |".to_owned(), row);
+            writeln!(out, "| {promise} | `{command}` | {row} |").ok();
         }
-        if let Some(soak) = &self.soak {
-            out += "\n## Rays from inside closed meshes\n\n";
-            out += ABOUT_RAYS;
-            out += &structures(soak);
-            out += "\n";
-            out += &meshes(soak);
-            out += &batches(soak);
-        }
-        out += &self.others.as_ref().map(others).unwrap_or_default();
+        // With brute force, if the other was not run.
+        out += &self.found("soak").or_else(|| self.found("brute")).map(rays).unwrap_or_default();
+        out += &self.found(OTHERS).map(others).unwrap_or_default();
+        out += &self.found("fuzz").map(fuzzing).unwrap_or_default();
         out
+    }
+
+    /// What a check found out in full.
+    fn found(&self, check: &str) -> Option<&Value> {
+        self.records.get(check).map(|record| &record.found).filter(|found| !found.is_null())
     }
 }
 
-impl Known {
-    fn of(record: &Value) -> Option<Self> {
-        let text = |key: &str| record[key].as_str();
-        let (word, why) = (text("result")?, text("why")?);
-        let result = match word {
-            "fine" => "nothing found".to_owned(),
-            _ => format!("{word}: {why}"),
-        };
-        let when = format!("{}, {}", text("date")?, text("machine")?);
-        Some(Self { count: text("count")?.to_owned(), result, failed: word == "failed", when })
-    }
+/// How much, what came of it, when and where.
+fn row(Record { count, result, why, date, version, machine, .. }: &Record) -> String {
+    let result = match result {
+        Word::Fine => "nothing found".to_owned(),
+        Word::Failed => format!("failed: {why}"),
+        Word::Skipped => format!("skipped: {why}"),
+    };
+    format!("{count} | {result} | {date}, {version}, {machine}")
 }
 
 const HEAD: &str = "\
@@ -84,9 +68,10 @@ const HEAD: &str = "\
 # Reliability
 
 What is promised, how it is tested, and what came of it. Why no ray is lost is in [watertight.md](watertight.md), what files may do in \
-[SECURITY.md](../SECURITY.md).
+[SECURITY.md](../SECURITY.md). What else was run, earlier and in emulators (AVX-512 among it), is in \
+[measurements.md](measurements.md#soaking-and-fuzzing-as-far-as-it-went). The results are kept in [reliability/](reliability/).
 
-| promise | test | how much | result | when, where |
+| promise | test | how much | result | when, which version, where |
 |---|---|---|---|---|
 ";
 
@@ -97,6 +82,12 @@ and anywhere; directions have length 1, the distance, or up to 2^±20 of it. A c
 any, and for an eighth of the rays all hits. All structures must give the same bits.
 
 ";
+
+/// The rays of `soak`: by structure and by mesh, alone and in batches.
+fn rays(soak: &Value) -> String {
+    let tables = [structures(soak), meshes(soak)].join("\n");
+    format!("\n## Rays from inside closed meshes\n\n{ABOUT_RAYS}{tables}{}", batches(soak))
+}
 
 /// Casts of each structure by aim; missed and different are of all.
 fn structures(soak: &Value) -> String {
@@ -176,6 +167,25 @@ fn percent(other: &Value) -> String {
     }
 }
 
+/// What fuzzing came to, by target.
+fn fuzzing(found: &Value) -> String {
+    let targets = found.as_object().into_iter().flatten();
+    let rows = targets.map(|(target, came)| {
+        let count = |key: &str| came[key].as_u64().unwrap_or_default();
+        let hours = count("secs") as f64 / 3600.0;
+        let verdict = if came["is_clean"] == true { "nothing" } else { "**failed**" };
+        format!("| `{target}` | {hours:.2} | {} | {verdict} |\n", grouped(count("runs")))
+    });
+    format!("\n## Fuzzing\n\n{ABOUT_FUZZING}\n{}", rows.collect::<String>())
+}
+
+const ABOUT_FUZZING: &str = "\
+By libFuzzer with AddressSanitizer, one process a target: all runs since something was found last. Hours are by the clock, beside other \
+work. An input that takes 10 s, or 2 GiB, would be a finding.
+
+| target | hours | inputs tried | found |
+|---|---|---|---|";
+
 fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
@@ -210,16 +220,20 @@ mod tests {
     #[test]
     fn the_page_says_what_is_kept_and_what_was_not_run() {
         let folder = tempfile::tempdir().unwrap();
-        let keep = |name: &str, value: Value| std::fs::write(folder.path().join(name), value.to_string()).unwrap();
-        let record = |check: &str, result: &str| {
+        let keep = |check: &str, result: &str, found: Value| {
             let why = if result == "fine" { "" } else { "it broke" };
-            json!({ "check": check, "count": "7 things", "result": result, "why": why, "date": "2026-01-31", "machine": "this" })
+            let record = json!({
+                "count": "7 things", "result": result, "why": why,
+                "date": "2026-01-31", "version": "abc", "machine": "this", "found": found
+            });
+            std::fs::write(folder.path().join(format!("{check}.json")), record.to_string()).unwrap();
         };
-        keep("fuzz.record.json", record("fuzz", "fine"));
+        keep("fuzz", "fine", json!({ "rays": { "secs": 5400, "runs": 12_345, "is_clean": true } }));
         assert!(Page::of(folder.path()).unwrap().is_clean());
-        keep("builds.record.json", record("builds", "failed"));
+        keep("builds", "failed", Value::Null);
         keep(
-            "soak.json",
+            "soak",
+            "fine",
             json!({
                 "aims": ["vertex", "edge"], "specs": ["kd+sah"], "levels": ["portable"],
                 "total": { "rays": 2_500_000, "by_level": [1234], "by_structure": [[[5, 1, 0], [6, 1, 2]]] },
@@ -228,19 +242,21 @@ mod tests {
             }),
         );
         let other = |aim: &str, missed: u64| json!({ "engine": "other", "mesh": "box", "aim": aim, "rays": 1000, "missed": missed });
-        keep("others.json", json!({ "aims": ["vertex", "edge"], "others": [other("vertex", 25), other("edge", 0)] }));
+        let both = [other("vertex", 25), other("edge", 0)];
+        keep("others", "fine", json!({ "aims": ["vertex", "edge"], "others": both }));
         let page = Page::of(folder.path()).unwrap();
         assert!(!page.is_clean());
         let text = page.text();
         assert!(!text.contains("| rows |"), "{text}");
         for wanted in [
-            "| `cargo xtask fuzz` | 7 things | nothing found | 2026-01-31, this |",
+            "| `cargo xtask fuzz` | 7 things | nothing found | 2026-01-31, abc, this |",
             "| 7 things | failed: it broke |",
             "| not run |",
             "| `kd+sah` | 5 | 6 | 2 | 2 |",
             "2.5 M different rays; casts: 1,234 by portable.",
             "| box | 12 | 3.0 M | 2 |",
             "| tiles | 4.0 M | 3 | 4 |",
+            "| `rays` | 1.50 | 12,345 | nothing |",
             "| other | box | 2.500 % | 0 of 1,000 |",
         ] {
             assert!(text.contains(wanted), "{wanted} in\n{text}");
