@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use rdh::simd::Level;
 use rdh_study::bench::{BenchPlan, Column};
 
 use super::values;
@@ -22,11 +23,15 @@ pub(crate) struct BenchArgs {
     pub quick: bool,
     /// Measure builds instead, ours alone: CPU time of one thread, elapsed time on one and on two, growth
     /// [default scenes: those of --scenes DIR, terrains of 0.1, 1 and 5 million triangles, rooms, city]
-    #[arg(long, conflicts_with_all = ["quick", "engines", "columns", "size", "out", "engine_dir", "memory"])]
+    #[arg(long, conflicts_with_all = ["quick", "engines", "columns", "size", "out", "engine_dir", "memory", "levels"])]
     pub builds: bool,
     /// Our structures [default: bvh8(high)+sah,bvh8+sah,kd+sah]; those that need rays are trained on others of the columns
     #[arg(long, visible_alias = "spec", value_name = "LIST")]
     pub specs: Option<String>,
+    /// Trace ours with these instructions, each beside the others: portable, avx2, avx512, neon, as far as this CPU has them
+    /// [default: its best]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = values::level)]
+    pub levels: Vec<Level>,
     /// Race the first bvh8 or sbvh8 of ours against leaky twins of itself, too: what watertightness costs, in boxes and triangles
     #[arg(long)]
     pub twin: bool,

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use rdh::simd::Level;
 use rdh::{Axis, RayClass};
 
 /// A film's size in pixels, `WIDTHxHEIGHT`.
@@ -128,6 +129,14 @@ pub(crate) fn rounds(text: &str) -> Result<usize, String> {
 pub(crate) fn part(text: &str) -> Result<f64, String> {
     let part = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
     part.ok_or_else(|| "a number from 0 to 1 is needed".to_owned())
+}
+
+/// Instructions that this CPU has.
+pub(crate) fn level(text: &str) -> Result<Level, String> {
+    let levels = Level::available();
+    let names = || levels.iter().map(|level| level.name()).collect::<Vec<_>>().join(", ");
+    let level = levels.iter().find(|level| level.name() == text).copied();
+    level.ok_or_else(|| format!("this CPU has {}", names()))
 }
 
 /// Megabytes, as bytes.

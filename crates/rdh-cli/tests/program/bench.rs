@@ -42,6 +42,16 @@ fn json_has_the_rows_of_the_contract() {
 }
 
 #[test]
+fn instructions_race_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = small(&folder, &["--json", "--specs", "bvh8+sah", "--columns", "rows", "--levels", "portable"]);
+    let document = json(&texts(&args));
+    let engines = document["rows"].as_array().unwrap().iter().map(|row| row["engine"].as_str().unwrap());
+    assert_eq!(engines.collect::<Vec<_>>(), ["bvh8+sah on portable", "batch(bvh8+sah on portable)"]);
+    assert_eq!(document["settings"]["levels"][0], "portable");
+}
+
+#[test]
 fn competitors_that_are_not_there_are_skipped_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let args = small(&folder, &["--specs", "bvh8+sah", "--engines", "embree4,obvhs", "--columns", "rows"]);
@@ -63,6 +73,8 @@ fn what_makes_no_sense_is_refused() {
     failed(&["--columns", "columns"], 2, &["columns", "rows, tiles, shadow, bounce, ao, shuffled"]);
     failed(&["--specs", "bvh8+sah,bvh8+sah"], 2, &["twice"]);
     failed(&["--specs", "bvh9+sah"], 2, &["bvh9"]);
+    failed(&["--levels", "mmx"], 2, &["mmx", "this CPU has portable"]);
+    failed(&["--levels", "portable,portable"], 2, &["portable", "twice"]);
     failed(&["--tolerance", "101"], 2, &["share of hits"]);
     failed(&["--engine-dir", "no/such/folder"], 1, &["no/such/folder"]);
     rdh(&["bench", "--size", "64x32"]).failed(2, &["square"]);

@@ -4,6 +4,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
 use rayon::ThreadPool;
+use rdh::simd::Level;
 use rdh::twin::Twin;
 use rdh::{Accel, Hit, Query, Ray, Spec};
 
@@ -51,12 +52,30 @@ enum Runner<'a> {
 }
 
 /// A structure of ours, and the CPU seconds of its build on one thread.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Ours {
     /// Its name: what was asked for, since an eye's place is another in every scene, or what `auto` chose.
     pub(crate) spec: Spec,
+    /// The instructions it is traced with, if they were asked for.
+    pub(crate) level: Option<Level>,
     pub(crate) accel: Accel,
     pub(crate) build_secs: f64,
+}
+
+impl Ours {
+    /// The same structure, traced with other instructions.
+    pub(crate) fn at(&self, level: Level) -> Self {
+        let accel = self.accel.clone().with_level(level);
+        Self { level: Some(level), accel, ..*self }
+    }
+
+    /// Its name in tables.
+    fn label(&self) -> String {
+        match self.level {
+            Some(level) => format!("{} on {}", self.spec, level.name()),
+            None => self.spec.to_string(),
+        }
+    }
 }
 
 /// A program and what it is asked to build: those that are equal share a process.
@@ -71,7 +90,7 @@ impl<'a> Lane<'a> {
     pub(crate) fn ours(ours: &'a Ours) -> Self {
         let stats = ours.accel.stats();
         Self {
-            label: ours.spec.to_string(),
+            label: ours.label(),
             base: None,
             version: None,
             form: Form::Single,

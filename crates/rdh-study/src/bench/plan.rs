@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use rdh::Spec;
+use rdh::simd::Level;
 use rdh::twin::Leak;
 
 use super::columns::Column;
@@ -17,6 +18,8 @@ pub struct BenchPlan {
     pub targets: Vec<Target>,
     /// Our structures.
     pub specs: Vec<Spec>,
+    /// The instructions that each of them is traced with, one after the other; if there are none, the best of this CPU.
+    pub levels: Vec<Level>,
     /// Of which of them, a `bvh8` or `sbvh8`, leaky twins race: what its watertightness costs.
     pub twin: Option<Spec>,
     /// Kinds of rays.
@@ -47,6 +50,7 @@ impl Default for BenchPlan {
         Self {
             targets: Vec::new(),
             specs: Self::default_specs(),
+            levels: Vec::new(),
             twin: None,
             columns: Column::ALL.to_vec(),
             engines: known_engines(),
@@ -102,6 +106,9 @@ impl BenchPlan {
         if let Some((_, column)) = self.columns.iter().enumerate().find(|(i, c)| self.columns[..*i].contains(c)) {
             return fail(format!("column '{}' is given twice", column.name()));
         }
+        if let Some((_, level)) = self.levels.iter().enumerate().find(|(i, l)| self.levels[..*i].contains(l)) {
+            return fail(format!("level '{}' is given twice", level.name()));
+        }
         if let Some(twin) = self.twin.filter(|twin| !self.specs.contains(twin)) {
             return fail(format!("the twin's structure '{twin}' does not race itself"));
         }
@@ -145,6 +152,7 @@ mod tests {
             BenchPlan { targets: Vec::new(), ..good.clone() },
             BenchPlan { specs: vec![Spec::default(); 2], ..good.clone() },
             BenchPlan { columns: vec![Column::Ao, Column::Ao], ..good.clone() },
+            BenchPlan { levels: vec![Level::PORTABLE; 2], ..good.clone() },
             BenchPlan { twin: Some("bvh8(quick)+sah".parse().unwrap()), ..good.clone() },
             BenchPlan { size: 0, ..good.clone() },
             BenchPlan { size: 10_000, ..good.clone() },

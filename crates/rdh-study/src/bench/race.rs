@@ -71,13 +71,22 @@ impl Race<'_, '_> {
         let (done, total) = (self.done, self.plan.targets.len());
         (self.see)(&BenchEvent::Scene { place: &place, triangles, done, total });
         let ours = track.ours(self.plan)?;
-        for Ours { spec, accel, build_secs } in &ours {
+        for Ours { spec, accel, build_secs, .. } in &ours {
             self.built(&track, &spec.to_string(), *build_secs, accel.stats().bytes as u64);
         }
         let rays = track.rays(&ours[0].accel, self.plan, columns, self.folder)?;
+        let ours = self.at_levels(ours);
         let twins = self.twins(&ours);
         self.heats(&track, (&ours, &twins), &rays);
         Ok(())
+    }
+
+    /// Each of ours with the instructions that were asked for.
+    fn at_levels(&self, ours: Vec<Ours>) -> Vec<Ours> {
+        match self.plan.levels.as_slice() {
+            [] => ours,
+            levels => ours.iter().flat_map(|ours| levels.iter().map(|level| ours.at(*level))).collect(),
+        }
     }
 
     /// The leaky twins that race, and whose they are.

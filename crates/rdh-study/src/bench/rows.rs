@@ -31,6 +31,9 @@ pub struct BenchDocument {
 pub struct Settings {
     /// Our structures.
     pub specs: Vec<Spec>,
+    /// The instructions that they were traced with, where they were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<String>,
     /// Of which of them leaky twins race.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twin: Option<Spec>,
@@ -245,6 +248,7 @@ impl Settings {
     pub fn of(plan: &BenchPlan) -> Self {
         Self {
             specs: plan.specs.clone(),
+            levels: plan.levels.iter().map(|level| level.name().to_owned()).collect(),
             twin: plan.twin,
             engines: plan.engines.iter().map(|engine| engine.name.clone()).collect(),
             columns: plan.columns.clone(),

@@ -117,5 +117,5 @@ fn build(stage: &Stage, spec: &Spec, training: &Training) -> Result<Ours, String
     let accel = accel.map_err(|e| format!("{spec}: {e}"))?;
     // What was chosen is what races.
     let spec = if *spec == Spec::AUTO { accel.stats().spec } else { *spec };
-    Ok(Ours { spec, accel, build_secs })
+    Ok(Ours { spec, level: None, accel, build_secs })
 }

@@ -61,6 +61,7 @@ fn plan(args: &BenchArgs, context: &Context) -> Result<BenchPlan> {
         targets: targets(args, context)?,
         twin: if args.twin { Some(twin(&specs)?) } else { None },
         specs,
+        levels: args.levels.clone(),
         columns: args.columns.clone().unwrap_or(usual.columns),
         engines: engines(args.engines.as_deref())?,
         programs: programs(args.engine_dir.as_deref())?,
