@@ -2,7 +2,7 @@
 //!
 //! Shared by all structures, so that they cannot disagree about what a hit is.
 
-use crate::geom::{Hit, Ray, RayFrame, TriId, hit_sheared, owns_crossing};
+use crate::geom::{GeomId, Hit, InstId, Ray, RayFrame, TriId, hit_sheared, owns_crossing};
 use crate::simd::{Block, Kernels, LANES};
 
 /// What a hit was found with.
@@ -41,8 +41,12 @@ pub(crate) trait Collector {
     fn take(&mut self, hit: Hit, t_max: f32, seen: impl FnOnce() -> Seen) -> Option<f32>;
 }
 
-/// The nearest hit.
-pub(crate) struct Closest(pub(crate) Option<Hit>);
+/// The nearest hit. Not an `Option<Hit>`: that is put together from halves and read as a whole, which waits for the halves to be
+/// stored, ten cycles and more a ray.
+pub(crate) struct Closest {
+    best: Hit,
+    is_hit: bool,
+}
 
 impl Collector for Closest {
     type Start = ();
@@ -50,20 +54,21 @@ impl Collector for Closest {
 
     #[inline(always)]
     fn new((): ()) -> Self {
-        Self(None)
+        let best = Hit { t: 0.0, u: 0.0, v: 0.0, tri: TriId(0), geometry: GeomId(0), instance: InstId(0) };
+        Self { best, is_hit: false }
     }
 
     #[inline(always)]
     fn finish(self) -> Option<Hit> {
-        self.0
+        self.is_hit.then_some(self.best)
     }
 
     #[inline(always)]
-    fn take(&mut self, hit: Hit, t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
-        if self.0.is_none_or(|best| hit.wins_over(&best)) {
-            self.0 = Some(hit);
+    fn take(&mut self, hit: Hit, _t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
+        if !self.is_hit || hit.wins_over(&self.best) {
+            (self.best, self.is_hit) = (hit, true);
         }
-        Some(self.0.map_or(t_max, |best| best.t))
+        Some(self.best.t)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which of a part's rays may make a tile, one window after the other.
 
-use super::coherence::Extent;
+use super::coherence::{Extent, ask};
 use super::patience::Patience;
 use super::{Choice, Windows};
 use crate::geom::{Aabb, Ray};
@@ -48,7 +48,10 @@ impl Choices {
                 self.mixed = (!rest.rays().is_empty()).then_some(rest);
                 class
             }
-            None => self.windows.next(),
+            None => {
+                ask(rays, |i| self.windows.soon(i));
+                self.windows.next()
+            }
         };
         let which = choice.rays();
         if which.is_empty() {

@@ -4,6 +4,7 @@ use std::array;
 
 use super::RAYS;
 use crate::geom::{Aabb, Ray, Vec3};
+use crate::simd::prefetch;
 
 /// How far directions of a tile may be apart, in units of their largest component, …
 const TURN: f32 = 0.25;
@@ -31,13 +32,26 @@ impl Extent {
     /// Whether rays probably stay together: by the first, the last, and two in between. What is no number stays with nobody.
     #[inline(always)]
     pub(crate) fn is_coherent(self, rays: &[Ray], which: &[u32]) -> bool {
-        let last = which.len() - 1;
-        let ray = |i: usize| &rays[which[i] as usize];
-        let some = [ray(0), ray(last / 3), ray(last - last / 3), ray(last)];
+        let some = samples(which.len()).map(|i| &rays[which[i] as usize]);
         let turn = spread(some.map(|ray| ray.direction));
         let shift = spread(some.map(|ray| ray.origin));
         turn <= self.turn * size(some[0].direction) && shift <= self.shift
     }
+}
+
+/// Asks for the memory of what [`Extent::is_coherent`] looks at; `place` tells where a window's rays lie.
+#[inline(always)]
+pub(crate) fn ask(rays: &[Ray], place: impl Fn(usize) -> usize) {
+    for ray in samples(RAYS).into_iter().filter_map(|i| rays.get(place(i))) {
+        prefetch(ray);
+    }
+}
+
+/// Which rays of a window are looked at.
+#[inline(always)]
+fn samples(count: usize) -> [usize; 4] {
+    let last = count - 1;
+    [0, last / 3, last - last / 3, last]
 }
 
 /// Whether most of some rays start about as far from the next one as from any other; `ray` tells them by number.

@@ -2,6 +2,9 @@
 
 use super::{Choice, RAYS};
 
+/// So many windows ahead memory is asked for.
+const SOON: usize = 8;
+
 /// What may become tiles, one after the other: squares of rows as long as there are eight of them, then runs.
 pub(crate) struct Windows {
     from: usize,
@@ -42,6 +45,15 @@ impl Windows {
             self.advance();
         }
         self.next()
+    }
+
+    /// Where, about, ray `i` of a window is that will come soon.
+    #[inline(always)]
+    pub(crate) fn soon(&self, i: usize) -> usize {
+        match self.width {
+            0 => self.from + SOON * RAYS + i,
+            width => self.from + i / 8 * width + self.column + SOON * 8 + i % 8,
+        }
     }
 
     /// Goes on by a window: where that starts, and how many columns it has, if it is a square.
