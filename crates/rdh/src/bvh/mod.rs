@@ -45,12 +45,12 @@ use link::Link;
 
 use crate::error::Result;
 use crate::geom::{Aabb, Hit, Ray, Scale};
-use crate::leaf;
+use crate::leaf::{self, Collector};
 use crate::mem::{Array, bytes_of};
 use crate::mesh::Mesh;
 use crate::parts::{Part, Parts, Written};
 use crate::probe::{Counts, Probe};
-use crate::simd::{Boxes, Lanes, Level};
+use crate::simd::{Boxes, InPlace, Lanes, Level};
 use crate::tile::{Batched, Cost, Packed};
 
 /// A finished hierarchy with up to `W` children a node, and its own copies of the triangles, or indices to the mesh's. Plain arrays
@@ -107,13 +107,23 @@ impl<const W: usize, L: Leaves> Bvh<W, L> {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.level.run(trace::Walk::<_, leaf::Closest, L, W> { tree: self, ray, probe, start: () })
+        let mut hit = None;
+        self.cast::<leaf::Closest>(ray, probe, &mut hit);
+        hit
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.level.run(trace::Walk::<_, leaf::Any, L, W> { tree: self, ray, probe, start: () })
+        let mut is_hit = false;
+        self.cast::<leaf::Any>(ray, probe, &mut is_hit);
+        is_hit
+    }
+
+    /// Writes down what a ray finds.
+    #[inline(always)]
+    fn cast<C: Collector<Start = ()>>(&self, ray: &Ray, probe: &mut impl Probe, answer: &mut C::Output) {
+        self.level.run(InPlace(trace::Walk::<_, C, L, W> { tree: self, ray, probe, start: () }, answer));
     }
 
     /// The nearest hit that `passes`.
@@ -235,7 +245,8 @@ impl<L: Leaves> Batched for Bvh<8, L> {
 
     fn part<C: Packed>(&self, rays: &[Ray], answers: &mut [C::Output], width: Option<usize>) -> Cost {
         let (tree, bytes) = (&self.with_any_leaves(), self.bytes());
-        self.level.run(tile::Part::<C> { tree, bytes, rays, answers, width })
+        let alone = &|ray: &Ray, answer: &mut C::Output| self.cast::<C>(ray, &mut (), answer);
+        self.level.run(tile::Part::<C> { tree, alone, bytes, rays, answers, width })
     }
 
     fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {

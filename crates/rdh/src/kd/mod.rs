@@ -41,7 +41,7 @@ use crate::mesh::Mesh;
 use crate::options::{BuildOptions, Watch};
 use crate::parts::{Part, Parts, Place, Written};
 use crate::probe::{Counts, Probe};
-use crate::simd::{Block, Level};
+use crate::simd::{Block, InPlace, Level};
 use crate::tile::{Batched, Cost, Packed};
 
 /// A finished kd-tree, with its own copies of the triangles. Plain arrays without pointers.
@@ -131,19 +131,23 @@ impl KdTree {
     /// The nearest hit; of equally near ones that with the smallest id.
     #[inline]
     pub fn closest<P: Probe>(&self, ray: &Ray, probe: &mut P) -> Option<Hit> {
-        self.cast::<leaf::Closest>(ray, probe)
+        let mut hit = None;
+        self.cast::<leaf::Closest>(ray, probe, &mut hit);
+        hit
     }
 
     /// Whether anything is hit.
     #[inline]
     pub fn occluded<P: Probe>(&self, ray: &Ray, probe: &mut P) -> bool {
-        self.cast::<leaf::Any>(ray, probe)
+        let mut is_hit = false;
+        self.cast::<leaf::Any>(ray, probe, &mut is_hit);
+        is_hit
     }
 
-    /// What a ray finds.
+    /// Writes down what a ray finds.
     #[inline(always)]
-    pub(crate) fn cast<C: Collector<Start = ()>>(&self, ray: &Ray, probe: &mut impl Probe) -> C::Output {
-        self.level.run(trace::Walk::<_, C> { tree: self, ray, probe, start: () })
+    fn cast<C: Collector<Start = ()>>(&self, ray: &Ray, probe: &mut impl Probe, answer: &mut C::Output) {
+        self.level.run(InPlace(trace::Walk::<_, C> { tree: self, ray, probe, start: () }, answer));
     }
 
     /// The nearest hit that `passes`.
@@ -207,7 +211,7 @@ impl Batched for KdTree {
     }
 
     fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {
-        self.cast::<C>(ray, counts)
+        self.level.run(trace::Walk::<_, C> { tree: self, ray, probe: counts, start: () })
     }
 }
 

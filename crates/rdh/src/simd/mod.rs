@@ -153,6 +153,18 @@ pub(crate) trait Job {
     fn run<K: Kernels>(self) -> Self::Output;
 }
 
+/// A job that writes down what it yields: what is handed out is copied, which waits for its parts to be stored, ten cycles and more.
+pub(crate) struct InPlace<'a, J: Job>(pub(crate) J, pub(crate) &'a mut J::Output);
+
+impl<J: Job> Job for InPlace<'_, J> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<K: Kernels>(self) {
+        *self.1 = self.0.run::<K>();
+    }
+}
+
 /// What a block's lanes have to do with a ray: a bit a lane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sifted {

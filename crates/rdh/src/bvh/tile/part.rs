@@ -8,7 +8,6 @@ use crate::bvh::Bvh;
 use crate::bvh::leaves::AnyLeaves;
 use crate::bvh::recent::Recent;
 use crate::bvh::strands;
-use crate::bvh::trace::Walk;
 use crate::geom::Ray;
 use crate::simd::{Job, Kernels, prefetch};
 use crate::tile::{Cost, Others, OthersSlots, Packed, Tiles, are_unordered};
@@ -16,6 +15,8 @@ use crate::tile::{Cost, Others, OthersSlots, Packed, Tiles, are_unordered};
 /// Rays, and where their answers go: as many.
 pub(crate) struct Part<'a, C: Packed> {
     pub(crate) tree: &'a Bvh<8, AnyLeaves>,
+    /// Casts a ray as it is cast alone, by code that knows the form of the leaves and has all registers.
+    pub(crate) alone: &'a dyn Fn(&Ray, &mut C::Output),
     /// How large the structure is.
     pub(crate) bytes: usize,
     pub(crate) rays: &'a [Ray],
@@ -89,8 +90,21 @@ impl<C: Packed> Part<'_, C> {
                 tree.level.run(ByTurns::<C> { tree, rays, which, recent: recent.as_mut(), answers });
                 *turns_pay = turns_pay.or(recent.take().map(|recent| recent.waits()));
             } else {
-                tree.level.run(OneByOne::<C> { tree, rays, which, is_sorted, answers });
+                self.one_by_one(which, is_sorted);
             }
+        }
+    }
+
+    /// Sorted rays lie here and there, and so do their answers: memory is asked for ahead.
+    fn one_by_one(&mut self, which: &[u32], is_sorted: bool) {
+        let ahead = if is_sorted { SOON } else { which.len() };
+        for (i, &ray) in which.iter().enumerate() {
+            if let Some(&soon) = which.get(i + ahead) {
+                prefetch(&self.rays[soon as usize]);
+                prefetch(&self.answers[soon as usize]);
+            }
+            let ray = ray as usize;
+            (self.alone)(&self.rays[ray], &mut self.answers[ray]);
         }
     }
 }
@@ -112,35 +126,6 @@ impl<C: Packed> Job for ByTurns<'_, C> {
     fn run<K: Kernels>(self) {
         let done = |ray, answer| self.answers[ray as usize] = answer;
         strands::cast::<K, C>(self.tree, self.rays, self.which, self.recent, done);
-    }
-}
-
-/// Some of a batch's rays, one after the other: compiled by itself, so that the walk has all registers.
-struct OneByOne<'a, C: Packed> {
-    tree: &'a Bvh<8, AnyLeaves>,
-    rays: &'a [Ray],
-    which: &'a [u32],
-    /// Sorted rays lie here and there, and so do their answers.
-    is_sorted: bool,
-    answers: &'a mut [C::Output],
-}
-
-impl<C: Packed> Job for OneByOne<'_, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<K: Kernels>(self) {
-        let Self { tree, rays, which, is_sorted, answers } = self;
-        let ahead = if is_sorted { SOON } else { which.len() };
-        for (i, &ray) in which.iter().enumerate() {
-            if let Some(&soon) = which.get(i + ahead) {
-                prefetch(&rays[soon as usize]);
-                prefetch(&answers[soon as usize]);
-            }
-            let ray = ray as usize;
-            let walk = Walk::<_, C, AnyLeaves, 8> { tree, ray: &rays[ray], probe: &mut (), start: () };
-            answers[ray] = walk.run::<K>();
-        }
     }
 }
 
@@ -175,8 +160,15 @@ mod tests {
                 for bytes in [0, LARGE + 1, HUGE + 1] {
                     let mut answers = vec![None; count];
                     let tree = &tree.with_any_leaves();
-                    let part =
-                        Part::<Closest> { tree, bytes, rays: &rays[..count], answers: &mut answers, width: None };
+                    let alone = &|ray: &Ray, answer: &mut Option<Hit>| *answer = accel.closest(ray);
+                    let part = Part::<Closest> {
+                        tree,
+                        alone,
+                        bytes,
+                        rays: &rays[..count],
+                        answers: &mut answers,
+                        width: None,
+                    };
                     tree.level.run(part);
                     assert_eq!(answers[..], alone[..count], "{triangles} triangles, {bytes} bytes, {count} rays");
                 }

@@ -2,7 +2,6 @@
 
 use crate::geom::Ray;
 use crate::kd::KdTree;
-use crate::kd::trace::Walk;
 use crate::simd::{Job, Kernels};
 use crate::tile::{Cost, Others, OthersSlots, Packed, Tiles};
 
@@ -29,28 +28,11 @@ impl<C: Packed> Job for Part<'_, C> {
             tiles.cast::<C>(tree, rays, answers, &mut others);
             for &ray in others.rays() {
                 let ray = ray as usize;
-                tree.level.run(Alone::<C> { tree, ray: &rays[ray], answer: &mut answers[ray] });
+                tree.cast::<C>(&rays[ray], &mut (), &mut answers[ray]);
             }
             tiles.cast_otherwise(others.rays().len());
             others.clear();
         }
         tiles.cost()
-    }
-}
-
-/// One of a batch's rays. It writes its answer down itself: one that is handed out is copied, and that waits for its parts to be stored.
-struct Alone<'a, C: Packed> {
-    tree: &'a KdTree,
-    ray: &'a Ray,
-    answer: &'a mut C::Output,
-}
-
-impl<C: Packed> Job for Alone<'_, C> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<K: Kernels>(self) {
-        let Self { tree, ray, answer } = self;
-        *answer = Walk::<_, C> { tree, ray, probe: &mut (), start: () }.run::<K>();
     }
 }
