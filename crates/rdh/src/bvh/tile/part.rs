@@ -155,7 +155,7 @@ mod tests {
             let built = build(&soup(triangles, 0.05), &spec, &Training::none(), &BuildOptions::default());
             let accel = built.expect("it builds");
             let Structure::Bvh8(tree) = accel.structure() else { panic!("{accel:?} is no tree of eight") };
-            let alone: Vec<Option<Hit>> = rays.iter().map(|ray| accel.closest(ray)).collect();
+            let right: Vec<Option<Hit>> = rays.iter().map(|ray| accel.closest(ray)).collect();
             for count in [100, 1000, 5000, sorted::MOST, sorted::MOST + 1] {
                 for bytes in [0, LARGE + 1, HUGE + 1] {
                     let mut answers = vec![None; count];
@@ -170,7 +170,7 @@ mod tests {
                         width: None,
                     };
                     tree.level.run(part);
-                    assert_eq!(answers[..], alone[..count], "{triangles} triangles, {bytes} bytes, {count} rays");
+                    assert_eq!(answers[..], right[..count], "{triangles} triangles, {bytes} bytes, {count} rays");
                 }
             }
         }
