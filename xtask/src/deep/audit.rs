@@ -6,9 +6,9 @@ use anyhow::Result;
 use super::{Arguments, Outcome, example, outcome};
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let by_counts = outcome(&mut example("audit", arguments), &[])?;
+    let by_counts = outcome(&mut example("audit", arguments), None)?;
     match by_counts {
-        Outcome::Fine(_) if arguments.times => outcome(example("audit", arguments).arg("--times"), &[]),
+        Outcome::Fine(_) if arguments.times => outcome(example("audit", arguments).arg("--times"), None),
         other => Ok(other),
     }
 }

@@ -9,5 +9,5 @@ use super::{Arguments, Outcome, outcome};
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut command = Command::new("cargo");
     command.args(["run", "--profile", &arguments.profile, "--quiet", "-p", "rdh-study", "--example", "cancel"]);
-    outcome(&mut command, &["in all:"])
+    outcome(&mut command, Some("in all:"))
 }

@@ -5,5 +5,5 @@ use anyhow::Result;
 use super::{Arguments, Outcome, example, outcome};
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome> {
-    outcome(&mut example("identical", arguments), &["in all:"])
+    outcome(&mut example("identical", arguments), Some("in all:"))
 }

@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use crate::reliability::{Verdict, keep};
+use crate::reliability::{self, Verdict, keep};
 use crate::root;
 
 /// Run checks that take too long for the ordinary tests.
@@ -109,22 +109,36 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     Ok(fine)
 }
 
-/// Runs a command in the folder of the workspace, and shows what it says. The last line that begins with one of the `words` says how
-/// much was checked.
-fn outcome(command: &mut Command, words: &[&str]) -> Result<Outcome> {
+/// Runs a command in the folder of the workspace, and shows what it says. The last line that begins with `word` says how much was
+/// checked.
+fn outcome(command: &mut Command, word: Option<&str>) -> Result<Outcome> {
+    let mut count = String::new();
+    let failed = run_and_see(command, &mut |line| {
+        if let Some(rest) = word.and_then(|word| line.strip_prefix(word)) {
+            rest.trim().clone_into(&mut count);
+        }
+    })?;
+    Ok(failed.map_or(Outcome::Fine(count), Outcome::Failed))
+}
+
+/// The same for tests: how many have passed.
+fn tests(command: &mut Command) -> Result<Outcome> {
+    let mut passed = 0;
+    let failed = run_and_see(command, &mut |line| passed += reliability::passed(line).unwrap_or(0))?;
+    Ok(failed.map_or_else(|| Outcome::Fine(reliability::tests(passed)), Outcome::Failed))
+}
+
+/// Runs a command, shows what it says, and hands it over line by line; why it has failed, if it has.
+fn run_and_see(command: &mut Command, see: &mut dyn FnMut(&str)) -> Result<Option<String>> {
     let name = command.get_program().display().to_string();
     let mut child = command.current_dir(root()).stdout(Stdio::piped()).spawn().with_context(|| name.clone())?;
-    let mut counts = Vec::new();
     for line in BufReader::new(child.stdout.take().context("it has no output")?).lines() {
         let line = line?;
         println!("{line}");
-        if let Some(word) = words.iter().find(|word| line.starts_with(**word)) {
-            counts.push(line[word.len()..].trim().to_owned());
-        }
+        see(&line);
     }
     let status = child.wait()?;
-    let count = counts.pop().unwrap_or_default();
-    Ok(if status.success() { Outcome::Fine(count) } else { Outcome::Failed(format!("{name}: {status}")) })
+    Ok((!status.success()).then(|| format!("{name}: {status}")))
 }
 
 /// An example of the study over the embedded scenes and those of the folder.

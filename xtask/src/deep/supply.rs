@@ -10,7 +10,7 @@ pub(super) fn run(_: &Arguments) -> Result<Outcome> {
     if !says(Command::new("cargo").args(["deny", "--version"])) {
         return Ok(Outcome::Skipped("there is no cargo-deny: cargo install cargo-deny".into()));
     }
-    let found = outcome(Command::new("cargo").args(["deny", "check", "licenses", "bans", "sources"]), &[])?;
+    let found = outcome(Command::new("cargo").args(["deny", "check", "licenses", "bans", "sources"]), None)?;
     Ok(match found {
         Outcome::Fine(_) => Outcome::Fine("licences, bans, sources".into()),
         other => other,

@@ -17,7 +17,7 @@ pub(super) fn run(_: &Arguments) -> Result<Outcome> {
     }
     for target in &here {
         let mut command = Command::new("cargo");
-        let checked = outcome(command.args(["check", "-p", "rdh", "--target", target]), &[])?;
+        let checked = outcome(command.args(["check", "-p", "rdh", "--target", target]), None)?;
         if let Outcome::Failed(why) = checked {
             return Ok(Outcome::Failed(format!("{target}: {why}")));
         }

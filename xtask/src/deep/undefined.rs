@@ -4,7 +4,7 @@ use std::process::Command;
 
 use anyhow::Result;
 
-use super::{Arguments, Outcome, outcome, says};
+use super::{Arguments, Outcome, says, tests};
 
 /// What Miri runs: all of `mem`, saved arrays, and small trees built and traced by portable code; it knows no vector instructions.
 const MIRI: [&str; 2] = ["mem::", "build::tests::small"];
@@ -20,7 +20,7 @@ pub(super) fn miri(_: &Arguments) -> Result<Outcome> {
     // Rayon's queues are not ours to judge, and its threads have no end that Miri would wait for.
     command.env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-ignore-leaks -Zmiri-tree-borrows");
     command.arg("--").args(MIRI);
-    outcome(&mut command, &["test result: ok."])
+    tests(&mut command)
 }
 
 pub(super) fn asan(_: &Arguments) -> Result<Outcome> {
@@ -29,7 +29,7 @@ pub(super) fn asan(_: &Arguments) -> Result<Outcome> {
     }
     let mut command = nightly(&["test", "--release", "-p", "rdh", "--lib", "--target", TARGET]);
     command.env("RUSTFLAGS", "-Zsanitizer=address -Cdebug-assertions");
-    outcome(&mut command, &["test result: ok."])
+    tests(&mut command)
 }
 
 /// Cargo of nightly Rust, in a folder of its own: other flags would build everything anew.

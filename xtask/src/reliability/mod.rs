@@ -56,7 +56,7 @@ fn run_test(test: &promises::Test, profile: &str) -> Result<bool> {
     let output = command.current_dir(crate::root()).output().context("cargo")?;
     let text = String::from_utf8_lossy(&output.stdout);
     let passed: u64 = text.lines().filter_map(passed).sum();
-    let count = if passed == 1 { "1 test".to_owned() } else { format!("{passed} tests") };
+    let count = tests(passed);
     if output.status.success() {
         ensure!(passed > 0, "{}: no test has this name", test.name);
         return keep(test.name, &count, &Verdict::Fine).map(|()| true);
@@ -65,8 +65,13 @@ fn run_test(test: &promises::Test, profile: &str) -> Result<bool> {
     keep(test.name, &count, &Verdict::Failed("a test failed")).map(|()| false)
 }
 
+/// So many, in words.
+pub(crate) fn tests(count: u64) -> String {
+    if count == 1 { "1 test".to_owned() } else { format!("{count} tests") }
+}
+
 /// Of `test result: ok. 12 passed; …`.
-fn passed(line: &str) -> Option<u64> {
+pub(crate) fn passed(line: &str) -> Option<u64> {
     line.strip_prefix("test result: ")?.split_whitespace().nth(1)?.parse().ok()
 }
 
