@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
@@ -65,15 +66,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool> {
     if let Some(engines) = &arguments.engines {
         command.arg("--engines").arg(engines).args(["--engine-rays", &arguments.engine_rays.to_string()]);
     }
+    let start = Instant::now();
     let fine = command.current_dir(root).status().context("cargo")?.success();
+    let minutes = start.elapsed().as_secs().div_ceil(60);
     let text =
         std::fs::read_to_string(&found).with_context(|| format!("{}: nothing was found out", found.display()))?;
-    keep_records(arguments, serde_json::from_str(&text)?, fine)?;
+    keep_records(arguments, serde_json::from_str(&text)?, minutes, fine)?;
     Ok(fine)
 }
 
 /// What the page says in its tables.
-fn keep_records(arguments: &Arguments, mut found: Value, fine: bool) -> Result<()> {
+fn keep_records(arguments: &Arguments, mut found: Value, minutes: u64, fine: bool) -> Result<()> {
     if arguments.engines.is_some() {
         let count = format!("{} rays of each mesh and aim", grouped(arguments.engine_rays as u64));
         let others = json!({ "aims": found["aims"], "others": found["others"].take() });
@@ -86,7 +89,7 @@ fn keep_records(arguments: &Arguments, mut found: Value, fine: bool) -> Result<(
     let structures = found["specs"].as_array().map_or(0, Vec::len);
     let (casts, rays, batched) = (grouped(total("casts")), grouped(total("rays")), grouped(in_batches(0)));
     let count = format!(
-        "{casts} casts of {rays} rays in {meshes} meshes, {structures} structures, {batched} more in batches, seed {}",
+        "{casts} casts of {rays} rays in {meshes} meshes, {structures} structures, {batched} more in batches, seed {}, {minutes} minutes",
         arguments.seed
     );
     let (missed, different) = (total("misses") + in_batches(1), total("different") + in_batches(2));
