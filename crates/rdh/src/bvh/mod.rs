@@ -249,7 +249,7 @@ impl<L: Leaves> Batched for Bvh<8, L> {
         self.level.run(tile::Part::<C> { tree, alone, bytes, rays, answers, width })
     }
 
-    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {
-        self.level.run(trace::Walk::<_, C, L, 8> { tree: self, ray, probe: counts, start: () })
+    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts, answer: &mut C::Output) {
+        self.cast::<C>(ray, counts, answer);
     }
 }

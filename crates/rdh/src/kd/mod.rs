@@ -210,8 +210,8 @@ impl Batched for KdTree {
         self.level.run(tile::Part::<C> { tree: self, rays, answers, width })
     }
 
-    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts) -> C::Output {
-        self.level.run(trace::Walk::<_, C> { tree: self, ray, probe: counts, start: () })
+    fn counted<C: Packed>(&self, ray: &Ray, counts: &mut Counts, answer: &mut C::Output) {
+        self.cast::<C>(ray, counts, answer);
     }
 }
 

@@ -1,7 +1,6 @@
 //! What a part of a batch has cost: in cycles of a CPU with AVX2, about, by what is counted.
 
 use super::Prices;
-use crate::geom::Ray;
 use crate::probe::Counts;
 
 /// What a part has cost.
@@ -17,10 +16,10 @@ pub(crate) struct Cost {
 const ONE_IN: usize = 16;
 
 impl Cost {
-    /// All of it, with what `cast` counts for some rays.
-    pub(crate) fn with_others<P: Prices, A>(self, rays: &[Ray], cast: impl Fn(&Ray, &mut Counts) -> A) -> u64 {
+    /// All of it, with what `cast` counts for some of so many rays, by their numbers.
+    pub(crate) fn with_others<P: Prices>(self, rays: usize, mut cast: impl FnMut(usize, &mut Counts)) -> u64 {
         let (mut counts, mut few) = (Counts::default(), 0);
-        for ray in rays.iter().step_by(ONE_IN).take(self.others) {
+        for ray in (0..rays).step_by(ONE_IN).take(self.others) {
             cast(ray, &mut counts);
             few += 1;
         }
