@@ -68,7 +68,7 @@ const HEAD: &str = "\
 # Reliability
 
 What is promised, how it is tested, and what came of it. Why no ray is lost is in [watertight.md](watertight.md), what files may do in \
-[SECURITY.md](../SECURITY.md). What else was run, earlier and in emulators (AVX-512 among it), is in \
+[SECURITY.md](../SECURITY.md). What else was run, earlier and in emulators, is in \
 [measurements.md](measurements.md#soaking-and-fuzzing-as-far-as-it-went). The results are kept in [reliability/](reliability/).
 
 | promise | test | how much | result | when, which version, where |
