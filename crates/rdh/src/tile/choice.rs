@@ -30,7 +30,7 @@ impl Choice {
     pub(crate) fn square(from: usize, width: usize, columns: usize) -> Self {
         let mut choice = Self::NONE;
         for i in 0..RAYS {
-            let (x, y) = (i & 1 | i >> 1 & 2 | i >> 2 & 4, i >> 1 & 1 | i >> 2 & 2 | i >> 3 & 4);
+            let (x, y) = place(i);
             choice.rays[choice.count] = (from + y * width + x) as u32;
             choice.count += usize::from(x < columns);
         }
@@ -54,6 +54,12 @@ impl Choice {
         }
         (same, others)
     }
+}
+
+/// Column and row of ray `i` of a square, in Morton order.
+#[inline(always)]
+pub(super) fn place(i: usize) -> (usize, usize) {
+    (i & 1 | i >> 1 & 2 | i >> 2 & 4, i >> 1 & 1 | i >> 2 & 2 | i >> 3 & 4)
 }
 
 /// A ray's octant and longest axis, and whether it needs no care.

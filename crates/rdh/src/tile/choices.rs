@@ -49,7 +49,9 @@ impl Choices {
                 class
             }
             None => {
-                ask(rays, |i| self.windows.soon(i));
+                if self.has_tiles {
+                    ask(rays, |i| self.windows.soon(i));
+                }
                 self.windows.next()
             }
         };

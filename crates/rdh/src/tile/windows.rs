@@ -1,6 +1,6 @@
 //! How a batch is cut into what may become tiles.
 
-use super::{Choice, RAYS};
+use super::{Choice, RAYS, choice};
 
 /// So many windows ahead memory is asked for.
 const SOON: usize = 8;
@@ -52,7 +52,10 @@ impl Windows {
     pub(crate) fn soon(&self, i: usize) -> usize {
         match self.width {
             0 => self.from + SOON * RAYS + i,
-            width => self.from + i / 8 * width + self.column + SOON * 8 + i % 8,
+            width => {
+                let (x, y) = choice::place(i);
+                self.from + y * width + self.column + 8 * SOON + x
+            }
         }
     }
 
