@@ -48,6 +48,19 @@ pub(crate) struct Closest {
     is_hit: bool,
 }
 
+impl Closest {
+    /// Whether a hit is nearer than the nearest so far.
+    #[inline(always)]
+    fn is_beaten_by(&self, hit: &Hit) -> bool {
+        !self.is_hit || hit.wins_over(&self.best)
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, hit: Hit) {
+        (self.best, self.is_hit) = (hit, true);
+    }
+}
+
 impl Collector for Closest {
     type Start = ();
     type Output = Option<Hit>;
@@ -65,8 +78,8 @@ impl Collector for Closest {
 
     #[inline(always)]
     fn take(&mut self, hit: Hit, _t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
-        if !self.is_hit || hit.wins_over(&self.best) {
-            (self.best, self.is_hit) = (hit, true);
+        if self.is_beaten_by(&hit) {
+            self.keep(hit);
         }
         Some(self.best.t)
     }
@@ -108,7 +121,7 @@ pub(crate) type Filter<'a> = &'a mut dyn FnMut(&Hit) -> bool;
 
 /// The nearest hit that a filter lets pass. It is asked about hits that would win, in any order.
 pub(crate) struct ClosestWhere<'a> {
-    best: Option<Hit>,
+    nearest: Closest,
     passes: Filter<'a>,
 }
 
@@ -118,20 +131,20 @@ impl<'a> Collector for ClosestWhere<'a> {
 
     #[inline(always)]
     fn new(passes: Filter<'a>) -> Self {
-        Self { best: None, passes }
+        Self { nearest: Closest::new(()), passes }
     }
 
     #[inline(always)]
     fn finish(self) -> Option<Hit> {
-        self.best
+        self.nearest.finish()
     }
 
     #[inline(always)]
     fn take(&mut self, hit: Hit, t_max: f32, _seen: impl FnOnce() -> Seen) -> Option<f32> {
-        if self.best.is_none_or(|best| hit.wins_over(&best)) && (self.passes)(&hit) {
-            self.best = Some(hit);
+        if self.nearest.is_beaten_by(&hit) && (self.passes)(&hit) {
+            self.nearest.keep(hit);
         }
-        Some(self.best.map_or(t_max, |best| best.t))
+        Some(if self.nearest.is_hit { self.nearest.best.t } else { t_max })
     }
 }
 
