@@ -52,7 +52,7 @@ enum Runner<'a> {
 }
 
 /// A structure of ours, and the CPU seconds of its build on one thread.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Ours {
     /// Its name: what was asked for, since an eye's place is another in every scene, or what `auto` chose.
     pub(crate) spec: Spec,

@@ -9,7 +9,7 @@ use rdh::twin::Leak;
 use super::columns::Column;
 use super::registry::{Registration, known_engines};
 use crate::error::{Error, Result};
-use crate::plan::Target;
+use crate::plan::{Target, refuse_twice};
 
 /// A race: scenes × columns × (our specs + engines).
 #[derive(Debug, Clone)]
@@ -100,15 +100,9 @@ impl BenchPlan {
     /// [`Error::Plan`], saying what to change.
     pub fn check(&self) -> Result<()> {
         let fail = |why: String| Err(Error::Plan(why));
-        if let Some((_, spec)) = self.specs.iter().enumerate().find(|(i, s)| self.specs[..*i].contains(s)) {
-            return fail(format!("spec '{spec}' is given twice"));
-        }
-        if let Some((_, column)) = self.columns.iter().enumerate().find(|(i, c)| self.columns[..*i].contains(c)) {
-            return fail(format!("column '{}' is given twice", column.name()));
-        }
-        if let Some((_, level)) = self.levels.iter().enumerate().find(|(i, l)| self.levels[..*i].contains(l)) {
-            return fail(format!("level '{}' is given twice", level.name()));
-        }
+        refuse_twice("spec", &self.specs)?;
+        refuse_twice("column", self.columns.iter().map(|column| column.name()))?;
+        refuse_twice("level", self.levels.iter().map(|level| level.name()))?;
         if let Some(twin) = self.twin.filter(|twin| !self.specs.contains(twin)) {
             return fail(format!("the twin's structure '{twin}' does not race itself"));
         }

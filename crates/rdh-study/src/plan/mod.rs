@@ -4,6 +4,8 @@ mod protocol;
 mod source;
 mod target;
 
+use std::fmt::Display;
+
 use rdh::{HeuristicSpec, RdhSpec, Spec};
 
 use crate::error::{Error, Result};
@@ -123,13 +125,8 @@ impl Plan {
     /// [`Error::Plan`], saying what to change.
     pub fn check(&self) -> Result<()> {
         let fail = |why: String| Err(Error::Plan(why));
-        let duplicate = self.specs.iter().enumerate().find(|(i, s)| self.specs[..*i].contains(s));
-        if let Some((_, spec)) = duplicate {
-            return fail(format!("spec '{spec}' is given twice"));
-        }
-        if let Some((_, mode)) = self.modes.iter().enumerate().find(|(i, m)| self.modes[..*i].contains(m)) {
-            return fail(format!("mode '{mode}' is given twice"));
-        }
+        refuse_twice("spec", &self.specs)?;
+        refuse_twice("mode", &self.modes)?;
         let empty = [
             ("scenes", self.targets.is_empty()),
             ("modes", self.modes.is_empty()),
@@ -156,4 +153,16 @@ impl Plan {
 
     /// More rays than this would not fit into memory together with the trees.
     pub const MAX_PIXELS: usize = 1 << 26;
+}
+
+/// An error if something stands twice in a list.
+pub(crate) fn refuse_twice<T: PartialEq + Display>(what: &str, items: impl IntoIterator<Item = T>) -> Result<()> {
+    let mut seen = Vec::new();
+    for item in items {
+        if seen.contains(&item) {
+            return Err(Error::Plan(format!("{what} '{item}' is given twice")));
+        }
+        seen.push(item);
+    }
+    Ok(())
 }

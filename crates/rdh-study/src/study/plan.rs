@@ -1,6 +1,5 @@
 //! What a study is made of, as plain data: `plan.json` in its folder. Whoever has it can go on with the study, or check its shards.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +14,7 @@ use super::record::Job;
 use super::scope::Scope;
 use crate::error::{Error, Result};
 use crate::integrate::{Mode, Stage};
-use crate::plan::Plan;
+use crate::plan::{Plan, refuse_twice};
 
 /// Everything that decides what a study counts, and the jobs that this makes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,9 +61,9 @@ impl StudyPlan {
             [] => EXPERIMENTS.to_vec(),
             names => names.iter().map(|name| known(name)).collect::<Result<_>>()?,
         };
-        refuse_twice("experiment", chosen.iter().map(|e| e.name().to_owned()))?;
-        refuse_twice("scene", scope.entries.iter().map(|e| e.id.clone()))?;
-        refuse_twice("mode", scope.modes.iter().map(Mode::to_string))?;
+        refuse_twice("experiment", chosen.iter().map(|e| e.name()))?;
+        refuse_twice("scene", scope.entries.iter().map(|e| &e.id))?;
+        refuse_twice("mode", &scope.modes)?;
         let mut jobs: Vec<Job> = chosen.iter().flat_map(|e| e.jobs(scope)).collect();
         let place = |job: &Job| scope.entries.iter().position(|e| e.id == job.scene);
         jobs.sort_by_key(|job| (place(job), job.frame));
@@ -185,16 +184,6 @@ fn builders() -> Result<String> {
 }
 
 const SMALL_SCENE: &str = "tetra5";
-
-fn refuse_twice(what: &str, names: impl Iterator<Item = String>) -> Result<()> {
-    let mut seen = BTreeSet::new();
-    for name in names {
-        if let Some(name) = seen.replace(name) {
-            return Err(Error::Plan(format!("{what} '{name}' is given twice")));
-        }
-    }
-    Ok(())
-}
 
 fn known(name: &str) -> Result<&'static dyn experiment::Experiment> {
     let unknown = || Error::Plan(format!("unknown experiment '{name}'; known: {}", experiment::names()));
