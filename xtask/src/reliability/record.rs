@@ -7,6 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use time::OffsetDateTime;
 
 /// What came of a check.
 pub(crate) enum Verdict<'a> {
@@ -101,21 +102,13 @@ fn version() -> String {
 
 /// The date, UTC, as 2026-01-31.
 fn today() -> String {
-    let secs = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs());
-    let (year, month, day) = civil(secs / 86_400);
-    format!("{year}-{month:02}-{day:02}")
+    date(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs()))
 }
 
-/// Year, month and day of a day since 1970 (H. Hinnant, chrono-compatible low-level date algorithms: `civil_from_days`).
-fn civil(days: u64) -> (u64, u64, u64) {
-    let days = days + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    (era * 400 + year + u64::from(month <= 2), month, day)
+/// Of seconds since 1970; nothing beyond the year 9999.
+fn date(secs: u64) -> String {
+    let time = i64::try_from(secs).ok().and_then(|secs| OffsetDateTime::from_unix_timestamp(secs).ok());
+    time.map_or_else(String::new, |time| time.date().to_string())
 }
 
 /// What the processor calls itself, where that can be found out.
@@ -131,9 +124,9 @@ mod tests {
 
     #[test]
     fn days_are_dates() {
-        assert_eq!(civil(0), (1970, 1, 1));
-        assert_eq!(civil(19_782), (2024, 2, 29));
-        assert_eq!(civil(20_786), (2026, 11, 29));
-        assert_eq!(civil(11_016), (2000, 2, 29));
+        assert_eq!(date(0), "1970-01-01");
+        assert_eq!(date(19_782 * 86_400), "2024-02-29");
+        assert_eq!(date(20_786 * 86_400), "2026-11-29");
+        assert_eq!(date(11_016 * 86_400), "2000-02-29");
     }
 }

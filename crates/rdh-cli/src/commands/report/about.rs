@@ -7,6 +7,7 @@ use rdh_scene::Entry;
 use rdh_study::Mode;
 use rdh_study::report::About;
 use rdh_study::study::{EXPERIMENTS, Merged, StudyPlan};
+use time::OffsetDateTime;
 
 use crate::args::ReportArgs;
 use crate::machine;
@@ -82,17 +83,10 @@ fn settings(plan: &StudyPlan) -> Vec<(String, String)> {
     facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// The date, from the days since 1970-01-01, by the Gregorian calendar: years begin in March, so that leap days come last.
+/// The date, from the days since 1970-01-01; nothing beyond the year 9999.
 fn date(days: u64) -> String {
-    let days = days + 719_468;
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
+    let secs = i64::try_from(days.saturating_mul(86_400)).unwrap_or(i64::MAX);
+    OffsetDateTime::from_unix_timestamp(secs).map_or_else(|_| String::new(), |time| time.date().to_string())
 }
 
 #[cfg(test)]
