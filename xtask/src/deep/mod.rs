@@ -125,7 +125,11 @@ fn outcome(command: &mut Command, word: Option<&str>) -> Result<Outcome> {
 fn tests(command: &mut Command) -> Result<Outcome> {
     let mut passed = 0;
     let failed = run_and_see(command, &mut |line| passed += reliability::passed(line).unwrap_or(0))?;
-    Ok(failed.map_or_else(|| Outcome::Fine(reliability::tests(passed)), Outcome::Failed))
+    Ok(match failed {
+        Some(why) => Outcome::Failed(why),
+        None if passed == 0 => Outcome::Failed("no test has run".to_owned()),
+        None => Outcome::Fine(reliability::tests(passed)),
+    })
 }
 
 /// Runs a command, shows what it says, and hands it over line by line; why it has failed, if it has.
